@@ -1,0 +1,83 @@
+# The everyday commands; `make help` lists them. The C++ build itself is CMakeLists.txt.
+BUILD := build/release
+JOBS ?= $(shell nproc)
+ARGS ?=
+
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+
+# The page in web/ (TypeScript), built into web/dist; nothing to do while there is none.
+PAGE := $(if $(wildcard web/package.json),web/dist/index.html)
+PAGE_SOURCES := $(if $(PAGE),$(shell find web \( -name node_modules -o -name dist \) -prune -o -type f -print))
+has_script = $(shell grep -s '"$(1)" *:' web/package.json)
+PYTHON_TESTS := $(shell find tests -name 'test_*.py' 2>/dev/null)
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help run build page test test-cpp test-page test-python sanitize ci-clang bench format lint setup setup-test setup-dev clean
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+run: $(BUILD)/build.ninja $(PAGE) ## set up, build, and drive the robot (ARGS="..." are handed on)
+	@cmake --build $(BUILD) --target baton_cli
+	@$(BUILD)/baton drive $(ARGS)
+
+build: $(BUILD)/build.ninja $(PAGE) ## build everything: library, program, tests, benches, page
+	@cmake --build $(BUILD)
+
+page: $(PAGE) ## build the page only
+
+test: setup-test build test-cpp test-page test-python ## build and run every test
+
+test-cpp:
+	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error
+
+test-page:
+ifneq ($(call has_script,test),)
+	cd web && npm test --silent
+endif
+ifneq ($(call has_script,test:browser),)
+	cd web && npm run --silent test:browser
+endif
+
+test-python:
+ifneq ($(PYTHON_TESTS),)
+	.venv/bin/pytest -q tests
+endif
+
+sanitize: setup-test ## build with the sanitizers and run the C++ tests
+	cmake --preset sanitize
+	cmake --build --preset sanitize
+	ctest --preset sanitize -j$(JOBS)
+
+ci-clang: setup-dev ## build with clang, warnings as errors
+	cmake --preset clang
+	cmake --build --preset clang
+
+bench: build ## run the benches (ARGS="--benchmark_filter=...")
+	$(BUILD)/baton_bench $(ARGS)
+
+format: setup-dev ## format all C++ sources
+	scripts/lint --format
+
+lint: setup-dev $(BUILD)/build.ninja ## check the format, and run clang-tidy on what changed (ARGS=--all: on everything)
+	scripts/lint $(ARGS)
+
+setup: ## install what is missing
+	@scripts/setup
+
+setup-test:
+	@scripts/setup --test
+
+setup-dev:
+	@scripts/setup --dev
+
+clean: ## remove what was built (not what was installed)
+	rm -rf build web/dist
+
+$(BUILD)/build.ninja: | setup
+	cmake --preset release
+
+web/dist/index.html: $(PAGE_SOURCES) | setup
+	cd web && npm run --silent build
+	@touch $@

@@ -1,0 +1,29 @@
+/// What the operator asks for: the newest position of the stick.
+#pragma once
+
+#include "baton/motion/posture.hpp"
+
+namespace baton {
+
+/// Axes are in −1…1, positive by the right hand in the heading frame: x forward, y left, z up, roll, pitch, yaw;
+/// `lift` is in 0…1, for each foot. Dead zone and curve are behind us: devices apply them.
+struct Command {
+  Part guide = Part::trunk;
+  Vec6 axes = Vec6::Zero();
+  BySide<double> lift{0.0, 0.0};
+
+  /// All axes centred and the lift of the guided foot, if a foot is guided, zero.
+  [[nodiscard]] bool neutral() const {
+    return axes.isZero(0.0) && (!is_foot(guide) || lift[side_of(guide)] == 0.0);
+  }
+  [[nodiscard]] bool operator==(const Command& other) const {
+    return guide == other.guide && axes == other.axes && lift.left == other.lift.left &&
+           lift.right == other.lift.right;
+  }
+};
+
+/// The command as it may be acted on: axes clamped to −1…1 and lifts to 0…1; what is not a number stands for a
+/// broken device and counts as centred.
+[[nodiscard]] Command sanitised(const Command& command);
+
+}  // namespace baton

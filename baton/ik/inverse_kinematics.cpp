@@ -1,0 +1,221 @@
+#include "baton/ik/inverse_kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <eiquadprog/eiquadprog-fast.hpp>
+
+namespace baton {
+namespace {
+
+constexpr int kHardRows = 15;  ///< soles 2 × 6, COM 3
+constexpr int kMostRows = 30;  ///< and trunk 3, hands 2 × 6
+
+}  // namespace
+
+struct InverseKinematics::Workspace {
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
+  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
+
+  int rows = 0;
+  JacobianRows J;          ///< task rows × nv
+  JacobianRows JD;         ///< J D⁻¹
+  Column e;                ///< errors
+  Column R;                ///< damping of each row
+  VecX cost_inverse;       ///< D⁻¹ (nv); 0: the joint goes where dq_ref says
+  VecX dq_ref;             ///< (nv)
+  VecX dq;                 ///< (nv)
+  VecX lower, upper;       ///< bounds of dq of the joints (n)
+  Square A;
+  Column y;
+  eiquadprog::solvers::EiquadprogFast qp;
+  MatX H, CE, CI;
+  VecX g, ce, ci;
+};
+
+InverseKinematics::InverseKinematics(const RobotModel& robot) : InverseKinematics(robot, Parameters{}) {}
+
+InverseKinematics::InverseKinematics(const RobotModel& robot, Parameters parameters)
+    : robot_(&robot), parameters_(parameters), kinematics_(robot), w_(std::make_unique<Workspace>()) {
+  const int nv = robot.nv();
+  const int n = nv - 6;
+  w_->J.setZero(kMostRows, nv);
+  w_->JD.setZero(kMostRows, nv);
+  w_->cost_inverse.setOnes(nv);
+  w_->dq_ref.setZero(nv);
+  w_->dq.setZero(nv);
+  w_->lower.setZero(n);
+  w_->upper.setZero(n);
+  w_->H.setZero(nv, nv);
+  w_->CE.setZero(0, nv);
+  w_->CI.setZero(2 * n, nv);
+  for (int j = 0; j < n; ++j) {
+    w_->CI(j, 6 + j) = 1.0;
+    w_->CI(n + j, 6 + j) = -1.0;
+  }
+  w_->g.setZero(nv);
+  w_->ce.setZero(0);
+  w_->ci.setZero(2 * n);
+  w_->qp.reset(nv, 0, 2 * n);
+}
+
+InverseKinematics::~InverseKinematics() = default;
+
+void InverseKinematics::linearise(const IkTargets& targets, IkResult& result) {
+  Workspace& w = *w_;
+  const Kinematics& k = kinematics_;
+  w.rows = 0;
+  w.e.resize(kMostRows);
+  w.R.resize(kMostRows);
+  // Appends a task's error; returns its norm, or 0 for a target that is not a number.
+  const auto add = [&](Vec3 error, double damping, bool error_damped) {
+    double norm = error.norm();
+    if (!std::isfinite(norm)) {
+      result.finite_targets = false;
+      error.setZero();
+      norm = 0.0;
+    }
+    if (norm > parameters_.largest_step) error *= parameters_.largest_step / norm;
+    w.e.segment<3>(w.rows) = error;
+    w.R.segment<3>(w.rows).setConstant(damping + (error_damped ? error.squaredNorm() : 0.0));
+    w.rows += 3;
+    return norm;
+  };
+  const auto rows = [&](int first) { return w.J.middleRows(first, 3); };
+
+  IkResidual residual;
+  for (const Side side : kSides) {
+    const int body = robot_->foot_body(side);
+    const Pose sole = k.sole(side);
+    k.point_jacobian(body, sole.p, rows(w.rows));
+    residual.sole_position = std::max(
+        residual.sole_position, add(targets.sole[side].p - sole.p, parameters_.hard_damping, false));
+    k.rotation_jacobian(body, rows(w.rows));
+    residual.sole_rotation =
+        std::max(residual.sole_rotation,
+                 add(rotation_error(targets.sole[side].R, sole.R), parameters_.hard_damping, false));
+  }
+  k.com_jacobian(rows(w.rows));
+  residual.com = add(targets.com - k.com(), parameters_.hard_damping, false);
+  k.rotation_jacobian(robot_->trunk_body(), rows(w.rows));
+  residual.trunk = add(rotation_error(targets.trunk, k.trunk().R), parameters_.trunk_damping, true);
+  for (const Side side : kSides) {
+    if (!targets.hand[side]) continue;
+    const int body = robot_->hand_body(side);
+    const Pose hand = k.hand(side);
+    k.point_jacobian(body, hand.p, rows(w.rows));
+    residual.hand =
+        std::max(residual.hand, add(targets.hand[side]->p - hand.p, parameters_.hand_damping, true));
+    if (!robot_->hand_has_attitude(side)) continue;
+    k.rotation_jacobian(body, rows(w.rows));
+    add(rotation_error(targets.hand[side]->R, hand.R), parameters_.hand_damping, true);
+  }
+  w.e.conservativeResize(w.rows);
+  w.R.conservativeResize(w.rows);
+  result.residual = residual;
+}
+
+void InverseKinematics::free_step() {
+  Workspace& w = *w_;
+  const auto J = w.J.topRows(w.rows);
+  auto JD = w.JD.topRows(w.rows);
+  JD.noalias() = J * w.cost_inverse.asDiagonal();
+  w.A.resize(w.rows, w.rows);
+  w.A.noalias() = JD * J.transpose();
+  w.A.diagonal() += w.R;
+  w.y = w.e;
+  w.y.noalias() -= J * w.dq_ref;
+  w.A.llt().solveInPlace(w.y);
+  w.dq = w.dq_ref;
+  w.dq.noalias() += JD.transpose() * w.y;
+}
+
+void InverseKinematics::bounded_step() {
+  Workspace& w = *w_;
+  const auto J = w.J.topRows(w.rows);
+  const int n = static_cast<int>(w.lower.size());
+  constexpr double kFixed = 1e6;  // cost of a joint that should go just where dq_ref says
+  const VecX cost = w.cost_inverse.unaryExpr([](double inverse) { return inverse > 0.0 ? 1.0 / inverse : kFixed; });
+  const VecX weight = w.R.cwiseInverse();
+  w.H.noalias() = J.transpose() * weight.asDiagonal() * J;
+  w.H.diagonal() += cost;
+  w.g.noalias() = -(J.transpose() * (weight.asDiagonal() * w.e));
+  w.g -= cost.cwiseProduct(w.dq_ref);
+  w.ci.head(n) = -w.lower;
+  w.ci.tail(n) = w.upper;
+  VecX x = VecX::Zero(w.dq.size());
+  const auto status = w.qp.solve_quadprog(w.H, w.g, w.CE, w.ce, w.CI, w.ci, x);
+  if (status == eiquadprog::solvers::EIQUADPROG_FAST_OPTIMAL && x.allFinite()) {
+    w.dq = x;
+  } else {
+    // The bounds always hold at dq = 0 or nearer to them; shorten the free step until they do.
+    double scale = w.dq.allFinite() ? 1.0 : 0.0;
+    for (int j = 0; j < n && scale > 0.0; ++j) {
+      const double step = w.dq[6 + j];
+      if (step > w.upper[j]) scale = std::min(scale, std::max(0.0, w.upper[j] / step));
+      if (step < w.lower[j]) scale = std::min(scale, std::max(0.0, w.lower[j] / step));
+    }
+    w.dq = scale > 0.0 ? VecX(scale * w.dq) : VecX(VecX::Zero(w.dq.size()));
+  }
+}
+
+IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous, double dt, VecX& q,
+                                  int iterations) {
+  Workspace& w = *w_;
+  const auto& joints = robot_->joints();
+  const int n = static_cast<int>(joints.size());
+  // The cost of motion, and where joints go that no task needs.
+  w.cost_inverse.setOnes();
+  BySide<bool> follow{!targets.hand.left, !targets.hand.right};
+  const auto lowest = [&](int j) {
+    const auto& joint = joints[static_cast<std::size_t>(j)];
+    return std::max(joint.position.lo, previous[7 + j] - joint.speed * dt);
+  };
+  const auto highest = [&](int j) {
+    const auto& joint = joints[static_cast<std::size_t>(j)];
+    return std::min(joint.position.hi, previous[7 + j] + joint.speed * dt);
+  };
+  for (int j = 0; j < n; ++j) q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
+
+  IkResult result;
+  kinematics_.set(q);
+  linearise(targets, result);
+  for (; result.iterations < iterations; ++result.iterations) {
+    w.dq_ref.setZero();
+    for (int j = 0; j < n; ++j) {
+      w.lower[j] = lowest(j) - q[7 + j];
+      w.upper[j] = std::max(w.lower[j], highest(j) - q[7 + j]);
+    }
+    double arm_error = 0.0;
+    for (const Side side : kSides) {
+      if (!follow[side]) continue;
+      for (const int j : robot_->arm(side)) {
+        w.cost_inverse[6 + j] = 0.0;
+        const double wish = targets.arms[j] - q[7 + j];
+        if (!std::isfinite(wish)) {
+          result.finite_targets = false;
+          continue;
+        }
+        w.dq_ref[6 + j] = std::clamp(wish, w.lower[j], w.upper[j]);
+        arm_error = std::max(arm_error, std::abs(w.dq_ref[6 + j]));
+      }
+    }
+    const IkResidual& r = result.residual;
+    if (std::max({r.sole_position, r.sole_rotation, r.com, arm_error}) < parameters_.tolerance &&
+        std::max(r.trunk, r.hand) < 10.0 * parameters_.tolerance) {
+      break;
+    }
+    free_step();
+    result.bound_joint = -1;
+    for (int j = 0; j < n && result.bound_joint < 0; ++j) {
+      if (!(w.dq[6 + j] <= w.upper[j] + 1e-12 && w.dq[6 + j] >= w.lower[j] - 1e-12)) result.bound_joint = j;
+    }
+    if (result.bound_joint >= 0) bounded_step();
+    integrate(*robot_, q, w.dq, 1.0);
+    for (int j = 0; j < n; ++j) q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
+    kinematics_.set(q);
+    linearise(targets, result);
+  }
+  return result;
+}
+
+}  // namespace baton

@@ -1,0 +1,88 @@
+#include "baton/model/contact.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace baton {
+
+Vec2 Wrench::zmp(double height) const {
+  if (!(force.z() > 0.0)) return Vec2::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Vec3 m = moment_about({0, 0, height});
+  return {-m.y() / force.z(), m.x() / force.z()};
+}
+
+Wrench ground_wrench(const Kinematics& kinematics, const VecX& force) {
+  const Pose root = kinematics.body(1);
+  Wrench wrench;
+  wrench.force = force.head<3>();
+  wrench.moment = root.R * force.segment<3>(3) + root.p.cross(wrench.force);
+  return wrench;
+}
+
+ConvexPolygon sole_outline(const RobotModel& robot, Side side, const Pose& sole) {
+  std::vector<Vec2> points;
+  for (const Vec2& vertex : robot.sole(side).vertices()) {
+    points.push_back((sole * Vec3(vertex.x(), vertex.y(), 0)).head<2>());
+  }
+  return ConvexPolygon::hull(points);
+}
+
+ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole, const BySide<bool>& contact,
+                              const Vec3& com, double height) {
+  std::vector<Vec2> points;
+  for (const Side side : kSides) {
+    if (!contact[side]) continue;
+    for (const Vec2& vertex : robot.sole(side).vertices()) {
+      const Vec3 c = sole[side] * Vec3(vertex.x(), vertex.y(), 0);
+      points.push_back((com + (c - com) * ((com.z() - height) / (com.z() - c.z()))).head<2>());
+    }
+  }
+  return ConvexPolygon::hull(points);
+}
+
+double support_plane(const BySide<Pose>& sole, const BySide<bool>& contact) {
+  if (contact.left && contact.right) return std::min(sole.left.p.z(), sole.right.p.z());
+  return contact.left ? sole.left.p.z() : sole.right.p.z();
+}
+
+BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, const BySide<bool>& contact,
+                            const Wrench& total) {
+  BySide<double> load{contact.left ? 1.0 : 0.0, contact.right ? 1.0 : 0.0};
+  if (contact.left && contact.right) {
+    // Seen in a sole's frame scaled by its half sizes, the load is the projection of the ZMP on the line
+    // between the soles: then what remains, the offset common to both soles, is smallest.
+    const double height = support_plane(sole, contact);
+    Vec2 half = Vec2::Zero();
+    for (const Vec2& vertex : robot.sole(Side::left).vertices()) half = half.cwiseMax(vertex.cwiseAbs());
+    const Mat3 to_feet = rotation_z(-mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R)));
+    const auto scaled = [&](const Vec3& x) -> Vec2 { return (to_feet * x).head<2>().cwiseQuotient(half); };
+    const Vec2 zmp = total.zmp(height);
+    const Vec2 line = scaled(sole.right.p - sole.left.p);
+    const Vec2 offset = scaled(Vec3(zmp.x(), zmp.y(), 0) - sole.left.p);
+    const double right = std::clamp(line.dot(offset) / line.squaredNorm(), 0.0, 1.0);
+    load = {1.0 - right, std::isfinite(right) ? right : 0.5};
+  }
+  Vec3 rest = total.moment;  // what the forces at the soles' centres leave
+  for (const Side side : kSides) rest -= sole[side].p.cross(load[side] * total.force);
+  BySide<Wrench> shared;
+  for (const Side side : kSides) {
+    shared[side].force = load[side] * total.force;
+    shared[side].moment = sole[side].p.cross(shared[side].force) + load[side] * rest;
+  }
+  return shared;
+}
+
+void joint_torques(const Kinematics& kinematics, const VecX& force, const BySide<Wrench>& contact, VecX& tau) {
+  const RobotModel& robot = kinematics.robot();
+  tau = force.tail(robot.nv() - 6);
+  for (const Side side : kSides) {
+    if (contact[side].force.isZero(0.0)) continue;
+    for (const int dof : robot.dofs_to(robot.foot_body(side))) {
+      if (dof < 6) continue;
+      const auto axis = kinematics.dof_axis(dof);
+      tau[dof - 6] -= axis.direction.dot(contact[side].moment_about(axis.point));
+    }
+  }
+}
+
+}  // namespace baton

@@ -1,0 +1,14 @@
+/// The exception for everything a user can put right: a file, a key, an option, a value.
+#pragma once
+
+#include <stdexcept>
+
+namespace baton {
+
+/// Bad input. The message is one line that names the thing, the value, and what would be right.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace baton

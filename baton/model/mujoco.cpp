@@ -1,0 +1,59 @@
+#include "baton/model/mujoco.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <mutex>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+namespace {
+
+thread_local int warnings = 0;
+
+void on_error(const char* message) { throw std::runtime_error(fmt::format("MuJoCo: {}", message)); }
+void on_warning(const char* /*message*/) { ++warnings; }
+
+}  // namespace
+
+void install_mujoco_handlers() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    mju_user_error = on_error;
+    mju_user_warning = on_warning;
+  });
+}
+
+int mujoco_warnings() { return warnings; }
+
+SpecPtr parse_model(const std::filesystem::path& file) {
+  install_mujoco_handlers();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    throw InputError(fmt::format("model {}: no such file", file.string()));
+  }
+  std::array<char, 1000> message{};
+  SpecPtr spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
+  if (!spec) throw InputError(fmt::format("model {}: {}", file.string(), message.data()));
+  return spec;
+}
+
+ModelPtr compile_model(mjSpec& spec, const std::string& what) {
+  ModelPtr model(mj_compile(&spec, nullptr));
+  if (!model) throw InputError(fmt::format("{}: {}", what, mjs_getError(&spec)));
+  return model;
+}
+
+int find_id(const mjModel& model, mjtObj type, const std::string& name, const std::string& owner) {
+  const int id = mj_name2id(&model, type, name.c_str());
+  if (id < 0) throw InputError(fmt::format("{}: no {} named '{}'", owner, mju_type2Str(type), name));
+  return id;
+}
+
+std::string name_of(const mjModel& model, mjtObj type, int id) {
+  const char* name = mj_id2name(&model, type, id);
+  return name == nullptr ? "" : name;
+}
+
+}  // namespace baton

@@ -1,0 +1,178 @@
+#include "baton/model/profile.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <toml++/toml.h>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// Reads keys of one profile; every complaint names file, key, value and what is wanted.
+class Reader {
+ public:
+  Reader(const toml::table& table, std::string file) : table_(table), file_(std::move(file)) {}
+
+  [[nodiscard]] std::string text(const std::string& key) const {
+    const auto value = at(key).value<std::string>();
+    if (!value || value->empty()) complain(key, "a non-empty string");
+    return *value;
+  }
+
+  [[nodiscard]] double number(const std::string& key, double lo, double hi) const {
+    return checked(key, at(key), lo, hi);
+  }
+
+  [[nodiscard]] double positive(const std::string& key, double hi) const {
+    const double value = number(key, 0.0, hi);
+    if (value == 0.0) complain(key, "more than 0");
+    return value;
+  }
+
+  template <std::size_t N>
+  [[nodiscard]] std::array<double, N> numbers(const std::string& key, double lo, double hi) const {
+    const toml::node_view<const toml::node> node = at(key);
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->size() != N) complain(key, fmt::format("an array of {} numbers", N));
+    std::array<double, N> values{};
+    for (std::size_t i = 0; i < N; ++i) values[i] = checked(key, node[i], lo, hi);
+    return values;
+  }
+
+  [[nodiscard]] Range range(const std::string& key, double lo, double hi) const {
+    const auto [a, b] = numbers<2>(key, lo, hi);
+    if (!(a < b)) complain(key, "[lowest, highest] with lowest < highest");
+    return {a, b};
+  }
+
+  [[nodiscard]] std::map<std::string, double> table(const std::string& key, double lo, double hi) const {
+    const toml::table* entries = at(key).as_table();
+    if (entries == nullptr) complain(key, "a table of numbers");
+    std::map<std::string, double> values;
+    for (const auto& [name, node] : *entries) {
+      const std::string joint(name.str());
+      values[joint] = number(key + "." + joint, lo, hi);
+    }
+    return values;
+  }
+
+  [[nodiscard]] const toml::table& root() const { return table_; }
+
+  [[noreturn]] void complain(const std::string& key, const std::string& wanted) const {
+    const auto node = table_.at_path(key);
+    std::ostringstream value;
+    if (node) {
+      node.visit([&value](const auto& n) {
+        if constexpr (requires { value << n; }) value << n;
+      });
+    }
+    throw InputError(node ? fmt::format("profile {}: {} = {}: must be {}", file_, key, value.str(), wanted)
+                          : fmt::format("profile {}: {} is missing: must be {}", file_, key, wanted));
+  }
+
+ private:
+  [[nodiscard]] toml::node_view<const toml::node> at(const std::string& key) const {
+    return table_.at_path(key);
+  }
+
+  [[nodiscard]] double checked(const std::string& key, toml::node_view<const toml::node> node, double lo,
+                               double hi) const {
+    const auto value = node.value<double>();
+    if (!value || !std::isfinite(*value) || *value < lo || *value > hi) {
+      complain(key, fmt::format("a number from {} to {}", lo, hi));
+    }
+    return *value;
+  }
+
+  const toml::table& table_;
+  std::string file_;
+};
+
+std::array<std::string, 2> sided(const Reader& read, const std::string& part) {
+  return {read.text("parts.left_" + part), read.text("parts.right_" + part)};
+}
+
+template <std::size_t N>
+std::array<double, N> shares(const Reader& read, const std::string& key) {
+  const auto values = read.numbers<N>(key, 0.01, 1.0);
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  if (std::abs(sum - 1.0) > 1e-6) read.complain(key, "shares whose sum is 1");
+  return values;
+}
+
+std::map<std::string, Profile::Gains> servo_gains(const Reader& read) {
+  std::map<std::string, Profile::Gains> by_joint;
+  const toml::array* rows = read.root().at_path("drive.gains").as_array();
+  if (rows == nullptr) read.complain("drive.gains", "a list of tables {kp, kd, joints}");
+  for (std::size_t i = 0; i < rows->size(); ++i) {
+    const std::string key = fmt::format("drive.gains[{}]", i);
+    const Profile::Gains row{read.positive(key + ".kp", 1e6), read.number(key + ".kd", 0.0, 1e5)};
+    const toml::array* joints = read.root().at_path(key + ".joints").as_array();
+    if (joints == nullptr) read.complain(key + ".joints", "a list of joint names");
+    for (std::size_t j = 0; j < joints->size(); ++j) {
+      by_joint[read.text(fmt::format("{}.joints[{}]", key, j))] = row;
+    }
+  }
+  return by_joint;
+}
+
+}  // namespace
+
+Profile Profile::load(const std::filesystem::path& file) {
+  toml::table table;
+  try {
+    table = toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("profile {}: line {}: {}", file.string(), error.source().begin.line,
+                                 error.description()));
+  }
+  const Reader read(table, file.string());
+  Profile p;
+  p.name = read.text("name");
+  p.model = std::filesystem::absolute(file).parent_path() / read.text("model");
+  p.parts = {read.text("parts.trunk"), sided(read, "foot"), sided(read, "hand"), sided(read, "shoulder")};
+  p.stance = {read.positive("stance.width", 2.0), read.positive("stance.com_height", 3.0)};
+  for (const auto& [joint, degrees] : read.table("home_deg", -360, 360)) p.home[joint] = degrees * kDegree;
+  p.reach = {read.positive("reach.foot", 2), read.positive("reach.trunk", 2), read.positive("reach.hand", 2),
+             read.positive("reach.rotation", 3)};
+  p.region = {read.range("region.foot_x", -2, 2),
+              read.range("region.foot_lateral", 0, 2),
+              read.positive("region.foot_yaw", 1.5),
+              read.number("region.sole_gap", 0, 1),
+              read.range("region.com_height", 0.01, 3),
+              read.number("region.trunk_inclination", 0, 1.5),
+              read.positive("region.trunk_yaw", 1.5),
+              read.positive("region.hand_distance", 3)};
+  p.swing = {read.positive("swing.clearance", 1), read.positive("swing.lift", 1)};
+  p.ground = {read.number("ground.flatness", 0, 0.1), read.number("ground.tilt_deg", 0, 30) * kDegree};
+  p.duration = {read.positive("duration.default", 10), read.positive("duration.step", 10),
+                read.positive("duration.max", 60)};
+  if (p.duration.max < p.duration.first) read.complain("duration.max", "at least duration.default");
+  p.phases = {shares<3>(read, "phases.step"), shares<2>(read, "phases.lift"), shares<2>(read, "phases.lower"),
+              read.numbers<4>("phases.weights", 1e-6, 1e6)};
+  p.margin.zmp_plan = read.number("margin.zmp_plan", 0, 1);
+  p.margin.zmp_verify = read.number("margin.zmp_verify", 0, 1);
+  p.margin.zmp_feedback = read.number("margin.zmp_feedback", 0, 1);
+  p.margin.stand_on = read.number("margin.stand_on", 0, 1);
+  p.margin.joint = read.number("margin.joint", 0, 0.5);
+  p.margin.speed = read.positive("margin.speed", 1);
+  p.margin.torque = read.positive("margin.torque", 1);
+  p.margin.friction = read.positive("margin.friction", 2);
+  p.margin.self_collision = read.number("margin.self_collision", 0, 0.2);
+  p.margin.edge = read.number("margin.edge", 0, 0.2);
+  p.ik = {read.positive("ik.position", 0.01), read.positive("ik.rotation", 0.01)};
+  p.tick = {read.number("tick.period", 1e-4, 0.1),
+            static_cast<int>(std::lround(read.number("tick.lookahead", 1, 100)))};
+  p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
+  if (read.text("drive.kind") != "pd") read.complain("drive.kind", "\"pd\"");
+  p.gains = servo_gains(read);
+  return p;
+}
+
+}  // namespace baton

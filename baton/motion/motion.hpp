@@ -1,0 +1,60 @@
+/// A motion: contact phases with a centre-of-mass path, and the joint paths that were verified.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "baton/math/lip.hpp"
+#include "baton/math/polygon.hpp"
+#include "baton/motion/goal.hpp"
+#include "baton/motion/refusal.hpp"
+
+namespace baton {
+
+/// A stretch of a motion during which the same soles stand.
+struct ContactPhase {
+  int ticks = 0;
+  BySide<bool> contact{true, true};
+};
+
+/// What the robot is told at one tick. Angles before any folding.
+struct JointTarget {
+  VecX q;    ///< joint angles (n) [rad]
+  VecX dq;   ///< [rad/s]
+  VecX ddq;  ///< [rad/s²]
+  VecX tau;  ///< feed-forward torque at the joint, motor damping included (n) [N·m]
+};
+
+/// Planned state at one tick: what is interpolated, followed and shown.
+struct MotionSample {
+  VecX q;      ///< configuration (nq)
+  VecX dq;     ///< (nv)
+  VecX ddq;    ///< (nv)
+  VecX force;  ///< generalised forces of inverse dynamics without contact (nv)
+  Vec3 com = Vec3::Zero();
+  Vec3 dcom = Vec3::Zero();
+  Vec2 zmp = Vec2::Zero();  ///< of the whole body, on the plane of the lower supporting sole [m]
+  double zmp_height = 0.0;  ///< that plane's height [m]
+  BySide<Pose> sole;
+  BySide<bool> contact{true, true};
+};
+
+/// A whole motion from the posture it was planned at to rest. Immutable once verified.
+struct Motion {
+  double period = 0.0;  ///< of a tick [s]
+  Goal goal;
+  std::vector<ContactPhase> phases;
+  ComPath com;
+  std::vector<MotionSample> samples;  ///< one a tick, both ends included
+  Posture end;                        ///< at rest
+  Certificate certificate;
+  int durations_tried = 0;  ///< by the duration correction
+
+  [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }
+  [[nodiscard]] double duration() const { return period * ticks(); }
+};
+
+/// A sample at rest in a posture: what the robot does while no motion is left.
+[[nodiscard]] MotionSample hold(const Posture& posture);
+
+}  // namespace baton

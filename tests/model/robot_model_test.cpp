@@ -1,0 +1,99 @@
+#include "baton/model/robot_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include "baton/ik/stand.hpp"
+#include "baton/model/contact.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+class RobotModelTest : public testing::TestWithParam<std::string> {
+ protected:
+  const RobotModel& robot_ = test::robot(GetParam());
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, RobotModelTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(RobotModelTest, HasLegsArmsAndSoles) {
+  for (const Side side : kSides) {
+    EXPECT_EQ(robot_.leg(side).size(), 6u);
+    EXPECT_EQ(robot_.arm(side).size(), 4u);
+    EXPECT_FALSE(robot_.hand_has_attitude(side));
+    EXPECT_EQ(robot_.sole(side).vertices().size(), 4u);
+    EXPECT_NEAR(robot_.sole(side).centre().norm(), 0.0, 1e-9);
+  }
+}
+
+TEST_P(RobotModelTest, JacobiansAreTheDerivativesOfTheKinematics) {
+  Kinematics k(robot_);
+  const Posture home = stand(robot_, Pose{}, robot_.profile().stance.com_height);
+  JacobianRows com(3, robot_.nv());
+  JacobianRows point(3, robot_.nv());
+  JacobianRows rotation(3, robot_.nv());
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 100; ++trial) {
+    VecX q = home.q;
+    VecX dq = VecX::NullaryExpr(robot_.nv(), [&] { return normal(random); });
+    integrate(robot_, q, dq, 0.2);
+    dq = VecX::NullaryExpr(robot_.nv(), [&] { return normal(random); });
+    k.set(q);
+    k.com_jacobian(com);
+    const int body = robot_.hand_body(Side::left);
+    k.point_jacobian(body, k.hand(Side::left).p, point);
+    k.rotation_jacobian(body, rotation);
+    const double h = 1e-6;
+    VecX ahead = q;
+    integrate(robot_, ahead, dq, h);
+    const Vec3 com0 = k.com();
+    const Pose hand0 = k.hand(Side::left);
+    k.set(ahead);
+    EXPECT_LT(((k.com() - com0) / h - com * dq).norm(), 1e-4);
+    EXPECT_LT(((k.hand(Side::left).p - hand0.p) / h - point * dq).norm(), 1e-4);
+    EXPECT_LT((rotation_error(k.hand(Side::left).R, hand0.R) / h - rotation * dq).norm(), 1e-4);
+  }
+}
+
+TEST_P(RobotModelTest, AtRestTheGroundCarriesTheWeightBelowTheCom) {
+  const Posture home = stand(robot_, Pose{}, robot_.profile().stance.com_height);
+  Kinematics k(robot_);
+  const VecX zero = VecX::Zero(robot_.nv());
+  VecX force = zero;
+  k.inverse_dynamics(home.q, zero, zero, force);
+  const Wrench wrench = ground_wrench(k, force);
+  EXPECT_NEAR(wrench.force.z(), robot_.mass() * kGravity, 1e-6);
+  EXPECT_NEAR(wrench.force.head<2>().norm(), 0.0, 1e-9);
+  EXPECT_LT((wrench.zmp(0.0) - home.com.head<2>()).norm(), 1e-6);
+  const BySide<Wrench> shared = share_wrench(robot_, home.sole, home.contact, wrench);
+  EXPECT_NEAR(shared.left.force.z(), shared.right.force.z(), 0.02 * wrench.force.z());
+  EXPECT_LT((shared.left.force + shared.right.force - wrench.force).norm(), 1e-9);
+  EXPECT_LT((shared.left.moment + shared.right.moment - wrench.moment).norm(), 1e-9);
+}
+
+TEST(Mighty, StandsAsInTheFacts) {
+  const RobotModel& robot = test::robot("mighty");
+  EXPECT_NEAR(robot.mass(), 5.531, 0.001);
+  EXPECT_NEAR(robot.omega(), 6.14, 0.005);
+  struct Row {
+    double com, body, hip, knee, ankle;
+  };
+  for (const Row& row : {Row{0.28, .3485, 15.4, 41.0, 25.6}, Row{0.27, .3353, 22.0, 55.2, 33.2}, Row{0.26, .3220, 27.2, 66.8, 39.6},
+                         Row{0.25, .3088, 31.6, 76.9, 45.2}, Row{0.24, .2956, 35.5, 86.0, 50.5}}) {
+    const Posture posture = stand(robot, Pose{}, row.com);
+    EXPECT_NEAR(posture.q[2], row.body, 0.001);
+    const auto degrees = [&](const std::string& name) {
+      for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+        if (robot.joints()[j].name == name) return posture.q[7 + static_cast<Eigen::Index>(j)] * 180.0 / M_PI;
+      }
+      return 1e9;
+    };
+    EXPECT_NEAR(degrees("left_hip_flexion"), row.hip, 0.3);
+    EXPECT_NEAR(degrees("left_knee_flexion"), row.knee, 0.3);
+    EXPECT_NEAR(degrees("left_ankle_flexion"), row.ankle, 0.3);
+  }
+}
+
+}  // namespace
+}  // namespace baton
