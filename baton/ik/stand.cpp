@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "baton/model/contact.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton {
@@ -19,6 +20,7 @@ Posture posture_of(const RobotModel& robot, const VecX& q) {
   for (const Side side : kSides) {
     posture.sole[side] = kinematics.sole(side);
     posture.hand[side] = kinematics.hand(side);
+    posture.shoulder[side] = kinematics.shoulder(side);
   }
   return posture;
 }
@@ -67,6 +69,22 @@ Posture stand(const RobotModel& robot, const Pose& start, double com_height) {
   posture.trunk = targets.trunk;
   posture.sole = targets.sole;
   return posture;
+}
+
+MotionSample resting(const RobotModel& robot, const Posture& posture) {
+  MotionSample sample;
+  sample.q = posture.q;
+  sample.dq = VecX::Zero(robot.nv());
+  sample.ddq = VecX::Zero(robot.nv());
+  sample.force = VecX::Zero(robot.nv());
+  Kinematics kinematics(robot);
+  kinematics.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
+  sample.com = posture.com;
+  sample.sole = posture.sole;
+  sample.contact = posture.contact;
+  sample.zmp_height = support_plane(posture.sole, posture.contact);
+  sample.zmp = ground_wrench(kinematics, sample.force).zmp(sample.zmp_height);
+  return sample;
 }
 
 }  // namespace baton

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "baton/ik/inverse_kinematics.hpp"
-#include "baton/motion/posture.hpp"
+#include "baton/motion/motion.hpp"
 
 namespace baton {
 
@@ -13,5 +13,8 @@ namespace baton {
 /// [m] over them, trunk upright, arms at home.
 /// @throws InputError the robot cannot stand so: the message names the residual
 [[nodiscard]] Posture stand(const RobotModel& robot, const Pose& start, double com_height);
+
+/// The sample of a robot that rests in a posture.
+[[nodiscard]] MotionSample resting(const RobotModel& robot, const Posture& posture);
 
 }  // namespace baton

@@ -137,6 +137,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.name = read.text("name");
   p.model = std::filesystem::absolute(file).parent_path() / read.text("model");
   p.parts = {read.text("parts.trunk"), sided(read, "foot"), sided(read, "hand"), sided(read, "shoulder")};
+  if (read.root().at_path("parts.imu")) p.imu = read.text("parts.imu");
   p.stance = {read.positive("stance.width", 2.0), read.positive("stance.com_height", 3.0)};
   for (const auto& [joint, degrees] : read.table("home_deg", -360, 360)) p.home[joint] = degrees * kDegree;
   p.reach = {read.positive("reach.foot", 2), read.positive("reach.trunk", 2), read.positive("reach.hand", 2),
@@ -166,7 +167,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.margin.friction = read.positive("margin.friction", 2);
   p.margin.self_collision = read.number("margin.self_collision", 0, 0.2);
   p.margin.edge = read.number("margin.edge", 0, 0.2);
-  p.ik = {read.positive("ik.position", 0.01), read.positive("ik.rotation", 0.01)};
+  p.ik = {read.positive("ik.position", 0.01), read.positive("ik.rotation", 0.01), read.positive("ik.hand", 0.1)};
   p.tick = {read.number("tick.period", 1e-4, 0.1),
             static_cast<int>(std::lround(read.number("tick.lookahead", 1, 100)))};
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};

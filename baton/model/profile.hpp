@@ -28,6 +28,8 @@ struct Profile {
     std::array<std::string, 2> shoulder;  ///< body whose origin is the shoulder
   } parts;
 
+  std::string imu;  ///< site of the inertial sensor; empty: none
+
   struct Stance {
     double width = 0.0;       ///< lateral distance of the sole centres [m]
     double com_height = 0.0;  ///< nominal, above the soles [m]
@@ -94,10 +96,11 @@ struct Profile {
     double edge = 0.0;            ///< least distance of a sole from an edge of the ground [m]
   } margin;
 
-  /// Tolerated residual of inverse kinematics on feet and COM.
+  /// Tolerated residual of inverse kinematics: of feet and COM, and of the guided hand at the end.
   struct Ik {
     double position = 0.0;  ///< [m]
     double rotation = 0.0;  ///< [rad]
+    double hand = 0.0;      ///< [m]
   } ik;
 
   struct Tick {

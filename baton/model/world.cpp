@@ -160,6 +160,8 @@ Foothold World::foothold(const ConvexPolygon& outline, const Profile::Ground& fl
 std::string World::compose(const RobotModel& robot, double timestep) const {
   const SpecPtr world = parse_model(file_);
   const SpecPtr body = robot.spec();
+  // The robot's global default becomes a class of its own, which needs a name.
+  mjs_setName(mjs_getSpecDefault(body.get())->element, "robot");
   body->option = world->option;  // the options below count; two that differ would be a conflict
   mjsElement* frame = mjs_addFrame(mjs_findBody(world.get(), "world"), nullptr)->element;
   mjsBody* root = mjs_findBody(body.get(), name_of(robot.mj(), mjOBJ_BODY, 1).c_str());

@@ -17,12 +17,13 @@ struct ContactPhase {
   BySide<bool> contact{true, true};
 };
 
-/// What the robot is told at one tick. Angles before any folding.
+/// What the robot is told at one tick: where its joints shall be when the tick ends. Angles before any folding.
 struct JointTarget {
   VecX q;    ///< joint angles (n) [rad]
   VecX dq;   ///< [rad/s]
   VecX ddq;  ///< [rad/s²]
   VecX tau;  ///< feed-forward torque at the joint, motor damping included (n) [N·m]
+  BySide<bool> contact{true, true};  ///< which soles are meant to stand
 };
 
 /// Planned state at one tick: what is interpolated, followed and shown.
@@ -47,14 +48,12 @@ struct Motion {
   ComPath com;
   std::vector<MotionSample> samples;  ///< one a tick, both ends included
   Posture end;                        ///< at rest
+  MotionSample rest;                  ///< the sample of every tick after the end
   Certificate certificate;
   int durations_tried = 0;  ///< by the duration correction
 
   [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }
   [[nodiscard]] double duration() const { return period * ticks(); }
 };
-
-/// A sample at rest in a posture: what the robot does while no motion is left.
-[[nodiscard]] MotionSample hold(const Posture& posture);
 
 }  // namespace baton

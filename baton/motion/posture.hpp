@@ -37,6 +37,7 @@ struct Posture {
   Mat3 trunk = Mat3::Identity();
   BySide<Pose> sole;
   BySide<Pose> hand;
+  BySide<Vec3> shoulder{Vec3::Zero(), Vec3::Zero()};  ///< [m]
   BySide<bool> contact{true, true};  ///< which soles stand
 
   /// Yaw of the heading frame: the mean of both soles' yaw [rad].

@@ -1,0 +1,62 @@
+#include "baton/balance/state.hpp"
+
+#include <stdexcept>
+
+namespace baton {
+
+Estimator::Estimator(const RobotModel& robot)
+    : robot_(&robot), kinematics_(robot), jacobian_(3, robot.nv()), dq_(VecX::Zero(robot.nv())) {
+  state_.q = VecX::Zero(robot.nq());
+}
+
+const State& Estimator::update(const Measurement& measurement, const Pose& anchor) {
+  if (!measurement.root) throw std::invalid_argument("Estimator: the measurement has no root pose");
+  const Pose to_plan = anchor.inverse();
+  const Pose root = to_plan * measurement.root->pose;
+  const Eigen::Quaterniond attitude(root.R);
+  state_.q.head<3>() = root.p;
+  state_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  state_.q.tail(robot_->nv() - 6) = measurement.q;
+  dq_.head<3>() = to_plan.R * measurement.root->velocity;
+  dq_.segment<3>(3) = measurement.root->rate;
+  dq_.tail(robot_->nv() - 6) = measurement.dq;
+  kinematics_.set(state_.q);
+  state_.com = kinematics_.com();
+  kinematics_.com_jacobian(jacobian_);
+  state_.dcom = jacobian_ * dq_;
+  state_.trunk = kinematics_.trunk().R;
+  kinematics_.rotation_jacobian(robot_->trunk_body(), jacobian_);
+  state_.trunk_rate = jacobian_ * dq_;
+  for (const Side side : kSides) state_.sole[side] = kinematics_.sole(side);
+  return state_;
+}
+
+Pose anchor_correction(const BySide<Pose>& planned, const BySide<Pose>& measured, const BySide<bool>& contact) {
+  double yaw = 0.0;
+  double count = 0.0;
+  for (const Side side : kSides) {
+    if (!contact[side]) continue;
+    yaw += yaw_of(measured[side].R * planned[side].R.transpose());
+    count += 1.0;
+  }
+  if (contact.left && contact.right) {
+    // The line between two soles tells their turn better than their attitudes.
+    const Vec3 a = planned.left.p - planned.right.p;
+    const Vec3 b = measured.left.p - measured.right.p;
+    yaw = wrap_angle(std::atan2(b.y(), b.x()) - std::atan2(a.y(), a.x()));
+    count = 1.0;
+  }
+  Pose correction;
+  correction.R = rotation_z(yaw / count);
+  Vec3 offset = Vec3::Zero();
+  double soles = 0.0;
+  for (const Side side : kSides) {
+    if (!contact[side]) continue;
+    offset += measured[side].p - correction.R * planned[side].p;
+    soles += 1.0;
+  }
+  correction.p = offset / soles;
+  return correction;
+}
+
+}  // namespace baton

@@ -1,0 +1,302 @@
+#include "baton/guide/guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "baton/model/contact.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kSamePlace = 1e-3;  ///< [m] differences below do not decide
+constexpr double kSameYaw = 0.01;    ///< [rad]
+constexpr double kSearch = 0.01;     ///< spacing of the places that a foot is tried at [m]
+
+/// Attitude with the yaw taken out: how the trunk leans.
+Mat3 inclination(const Mat3& R) { return rotation_z(-yaw_of(R)) * R; }
+
+double tilt(const Mat3& R) { return std::acos(std::clamp(R(2, 2), -1.0, 1.0)); }
+
+/// How far outside its range a value lies; negative inside.
+double excess(double value, const Range& range) { return std::max(range.lo - value, value - range.hi); }
+double nearest_limit(double value, const Range& range) { return value < range.lo ? range.lo : range.hi; }
+
+}  // namespace
+
+struct Guide::Placement {
+  Pose sole;
+  std::optional<Refusal> against;
+};
+
+Goal Guide::stay(const GuideContext& context, Part guided) const {
+  Goal goal;
+  goal.guided = guided;
+  goal.sole = context.from.sole;
+  goal.contact = context.from.contact;
+  goal.com = context.from.com;
+  goal.trunk = context.from.trunk;
+  goal.arms = context.from.q.tail(robot_->nv() - 6);
+  return goal;
+}
+
+Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
+  const double height = context.from.com.z() - context.from.support_height();
+  Vec3 sum = Vec3::Zero();
+  int soles = 0;
+  for (const Side side : kSides) {
+    if (!goal.contact[side]) continue;
+    sum += goal.sole[side].p;
+    ++soles;
+  }
+  return sum / soles + Vec3(0, 0, height);
+}
+
+Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw,
+                              double lift) const {
+  const Profile& profile = robot_->profile();
+  const Part part = foot(side);
+  const Pose& stance = context.from.sole[other(side)];
+  Placement placement;
+  placement.sole = {Vec3(at.x(), at.y(), stance.p.z()), rotation_z(yaw)};
+  // The region, in the stance sole's frame.
+  const double stance_yaw = yaw_of(stance.R);
+  const Vec3 relative = rotation_z(-stance_yaw) * (placement.sole.p - stance.p);
+  const double lateral = sign_of(side) * relative.y();
+  const double turned = wrap_angle(yaw - stance_yaw);
+  constexpr double kSlack = 1e-9;
+  if (excess(relative.x(), profile.region.foot_x) > kSlack) {
+    placement.against = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), profile.region.foot_x), "forward"};
+  } else if (excess(lateral, profile.region.foot_lateral) > kSlack) {
+    placement.against = {Reason::foot_region, part, lateral, nearest_limit(lateral, profile.region.foot_lateral), "sideways"};
+  } else if (std::abs(turned) > profile.region.foot_yaw + kSlack) {
+    placement.against = {Reason::foot_yaw, part, std::abs(turned), profile.region.foot_yaw, ""};
+  }
+  if (placement.against) return placement;
+  const ConvexPolygon outline = sole_outline(*robot_, side, placement.sole);
+  const double gap = separation(outline, sole_outline(*robot_, other(side), stance));
+  if (gap < profile.region.sole_gap) {
+    placement.against = {Reason::sole_gap, part, gap, profile.region.sole_gap, ""};
+    return placement;
+  }
+  const ConvexPolygon in_world = sole_outline(*robot_, side, context.anchor * placement.sole);
+  if (lift > 0.0) {
+    const double ground = world_->highest_under(in_world) - context.anchor.p.z();
+    if (!std::isfinite(ground)) placement.against = {Reason::ground, part, 0, 0, "nothing below"};
+    placement.sole.p.z() = ground + lift;
+    return placement;
+  }
+  const Foothold foothold = world_->foothold(in_world, profile.ground, profile.margin.edge);
+  if (!foothold.flat) {
+    placement.against = {Reason::ground, part, foothold.deviation, profile.ground.flatness, ""};
+    return placement;
+  }
+  placement.sole.p.z() = foothold.height - context.anchor.p.z();
+  const Vec3 up = context.anchor.R.transpose() * foothold.normal;
+  placement.sole.R = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up).toRotationMatrix() * placement.sole.R;
+  return placement;
+}
+
+Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw) const {
+  const Profile::Region& region = robot_->profile().region;
+  const Pose& stance = context.from.sole[other(side)];
+  const double stance_yaw = yaw_of(stance.R);
+  const double turned = std::clamp(wrap_angle(yaw - stance_yaw), -region.foot_yaw, region.foot_yaw);
+  const Mat3 from_stance = rotation_z(stance_yaw);
+  const Vec3 wish = from_stance.transpose() * (Vec3(at.x(), at.y(), stance.p.z()) - stance.p);
+  // The wish brought into the region first, then a grid over the region, the nearest first.
+  std::vector<Vec2> places;
+  const double lateral_wish = std::clamp(sign_of(side) * wish.y(), region.foot_lateral.lo, region.foot_lateral.hi);
+  places.emplace_back(std::clamp(wish.x(), region.foot_x.lo, region.foot_x.hi), sign_of(side) * lateral_wish);
+  for (double x = region.foot_x.lo; x <= region.foot_x.hi + 1e-9; x += kSearch) {
+    places.emplace_back(x, places.front().y());
+    for (double y = region.foot_lateral.lo; y <= region.foot_lateral.hi + 1e-9; y += kSearch) {
+      places.emplace_back(x, sign_of(side) * y);
+    }
+  }
+  const Vec2 target = wish.head<2>();
+  std::stable_sort(places.begin(), places.end(), [&](const Vec2& a, const Vec2& b) {
+    return (a - target).squaredNorm() < (b - target).squaredNorm();
+  });
+  Placement first;
+  for (const Vec2& candidate : places) {
+    const Vec3 p = stance.p + from_stance * Vec3(candidate.x(), candidate.y(), 0);
+    Placement placement = place(context, side, p.head<2>(), stance_yaw + turned, 0.0);
+    if (!placement.against) return placement;
+    if (!first.against) first = placement;
+  }
+  return first;
+}
+
+GuideResult Guide::goal(const GuideContext& context, const Command& raw) const {
+  const Command command = sanitised(raw);
+  for (const Side side : kSides) {
+    if (!context.from.contact[side] && command.guide != foot(side)) return lower(context, side);
+  }
+  if (is_foot(command.guide)) return guide_foot(context, command);
+  return command.guide == Part::trunk ? guide_trunk(context, command) : guide_hand(context, command);
+}
+
+GuideResult Guide::lower(const GuideContext& context, Side side) const {
+  Goal goal = stay(context, foot(side));
+  goal.kind = SegmentKind::lower;
+  goal.swing = side;
+  goal.contact[side] = true;
+  const Pose& now = context.from.sole[side];
+  const Pose& last = context.foothold[side];
+  Placement placement = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0);
+  if (placement.against) {
+    Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0);
+    if (back.against) return *placement.against;
+    placement = std::move(back);
+  }
+  goal.sole[side] = placement.sole;
+  goal.com = com_above(context, goal);
+  goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(goal.trunk);
+  return goal;
+}
+
+GuideResult Guide::guide_foot(const GuideContext& context, const Command& command) const {
+  const Profile& profile = robot_->profile();
+  const Side side = side_of(command.guide);
+  const Posture& from = context.from;
+  const double throttle = command.lift[side] < kLeastLift ? 0.0 : command.lift[side];
+  const double lift = throttle * profile.swing.lift;
+  const bool deflected = command.axes[0] != 0.0 || command.axes[1] != 0.0 || command.axes[5] != 0.0;
+
+  const Vec3 move = rotation_z(from.heading()) * Vec3(command.axes[0], command.axes[1], 0) * profile.reach.foot;
+  const double yaw = yaw_of(from.sole[side].R) + profile.reach.rotation * command.axes[5];
+  const Placement placement = place(context, side, (from.sole[side].p + move).head<2>(), yaw, lift);
+  const bool up = !from.contact[side];
+  const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
+  if (!deflected && lift == 0.0 && !up) return std::monostate{};
+  if (!deflected && lift > 0.0 && up && !rises) return std::monostate{};
+  if (placement.against) {
+    // A foot in the air that may not be put where it is goes back to where it stood.
+    if (up && lift == 0.0 && !deflected) return lower(context, side);
+    return *placement.against;
+  }
+  Goal goal = stay(context, command.guide);
+  goal.swing = side;
+  goal.contact[side] = lift == 0.0;
+  goal.sole[side] = placement.sole;
+  if (lift > 0.0) {
+    goal.kind = up ? SegmentKind::air : SegmentKind::lift;
+  } else {
+    goal.kind = up ? SegmentKind::lower : SegmentKind::step;
+  }
+  goal.com = com_above(context, goal);
+  goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(from.trunk);
+  return goal;
+}
+
+GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
+  if (command.axes.isZero(0.0)) return std::monostate{};
+  const Profile& profile = robot_->profile();
+  const Posture& from = context.from;
+  const Mat3 heading = rotation_z(from.heading());
+  Goal goal = stay(context, Part::trunk);
+  goal.com += heading * command.axes.head<3>() * profile.reach.trunk;
+  const double support = from.support_height();
+  const double asked = goal.com.z() - support;
+  goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
+  goal.trunk = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
+  if (tilt(goal.trunk) > std::max(profile.region.trunk_inclination, tilt(from.trunk) - 1e-9)) {
+    return Refusal{Reason::trunk_inclination, Part::trunk, tilt(goal.trunk), profile.region.trunk_inclination, ""};
+  }
+  if ((goal.com - from.com).norm() < 1e-6 && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
+    return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
+  }
+  for (const Side side : kSides) {
+    for (const int j : robot_->arm(side)) goal.arms[j] = robot_->joints()[static_cast<std::size_t>(j)].home;
+  }
+  return stand_under(context, std::move(goal));
+}
+
+GuideResult Guide::guide_hand(const GuideContext& context, const Command& command) const {
+  const Side side = side_of(command.guide);
+  const bool turns = robot_->hand_has_attitude(side) && !command.axes.tail<3>().isZero(0.0);
+  if (command.axes.head<3>().isZero(0.0) && !turns) return std::monostate{};
+  const Profile& profile = robot_->profile();
+  const Posture& from = context.from;
+  const Mat3 heading = rotation_z(from.heading());
+  Goal goal = stay(context, command.guide);
+  goal.kind = SegmentKind::reach;
+  Pose hand = from.hand[side];
+  hand.p += heading * command.axes.head<3>() * profile.reach.hand;
+  if (turns) hand.R = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * hand.R;
+  goal.hand[side] = hand;
+
+  const Vec3 stretch = hand.p - from.shoulder[side];
+  const double length = stretch.norm();
+  if (length > profile.region.hand_distance) {
+    goal.com += (length - profile.region.hand_distance) / length * stretch;
+    const double support = from.support_height();
+    goal.com.z() = support + std::clamp(goal.com.z() - support, profile.region.com_height.lo,
+                                        profile.region.com_height.hi);
+    return stand_under(context, std::move(goal));
+  }
+  return goal;
+}
+
+GuideResult Guide::stand_under(const GuideContext& context, Goal goal) const {
+  const Profile& profile = robot_->profile();
+  const Posture& from = context.from;
+  const double yaw = yaw_of(goal.trunk);
+  const ConvexPolygon support = support_polygon(*robot_, from.sole, from.contact, goal.com,
+                                                support_plane(from.sole, from.contact));
+  const Vec2 target = goal.com.head<2>();
+  const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
+  if (support.margin(target) >= profile.margin.stand_on && !turn) return goal;
+
+  // The farther foot first; at a tie, the one that did not step last.
+  const auto distance = [&](Side side) { return (from.sole[side].p.head<2>() - target).norm(); };
+  Side first = other(context.last_step);
+  if (std::abs(distance(Side::left) - distance(Side::right)) > kSamePlace) {
+    first = distance(Side::left) > distance(Side::right) ? Side::left : Side::right;
+  }
+  const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
+  std::optional<Side> stepping;
+  Placement placement;
+  std::optional<Refusal> against;
+  for (const Side side : {first, other(first)}) {
+    placement = place(context, side, wish(side), yaw, 0.0);
+    if (!placement.against) {
+      stepping = side;
+      break;
+    }
+    if (!against) against = placement.against;
+  }
+  if (!stepping) {
+    // Neither fits: of both feet the place whose middle is nearest to the goal, if that is progress.
+    const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
+    double best = std::numeric_limits<double>::infinity();
+    for (const Side side : {first, other(first)}) {
+      Placement candidate = nearest_place(context, side, wish(side), yaw);
+      if (candidate.against) continue;
+      const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
+      const double turned = std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) -
+                            std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
+      const bool nearer = left < (middle - target).norm() - kSamePlace;
+      const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + profile.reach.trunk;
+      if ((nearer || turns) && left < best - kSamePlace) {
+        best = left;
+        stepping = side;
+        placement = std::move(candidate);
+      }
+    }
+    if (!stepping) {
+      if (support.margin(target) >= profile.margin.stand_on) return goal;  // it can at least turn the trunk
+      return Refusal{Reason::no_progress, against->part, against->value, against->limit, std::string(to_string(against->reason))};
+    }
+  }
+  goal.kind = SegmentKind::step;
+  goal.swing = stepping;
+  goal.sole[*stepping] = placement.sole;
+  // Above the middle of the feet, at the height above the supports that was asked for.
+  const double height = goal.com.z() - from.support_height();
+  goal.com = 0.5 * (goal.sole.left.p + goal.sole.right.p) + Vec3(0, 0, height);
+  return goal;
+}
+
+}  // namespace baton

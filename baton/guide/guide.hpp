@@ -1,0 +1,60 @@
+/// Command → goal: the guiding rule of the guided part and the synergetic rules of all others
+/// (docs/theory.md §2). A pure function: nothing is remembered here.
+#pragma once
+
+#include <variant>
+
+#include "baton/guide/command.hpp"
+#include "baton/model/world.hpp"
+#include "baton/motion/goal.hpp"
+#include "baton/motion/refusal.hpp"
+
+namespace baton {
+
+/// What the rules need to know besides the command.
+struct GuideContext {
+  Posture from;            ///< planned posture at the take-over, at rest, in the planning frame
+  Pose anchor;             ///< planning frame in the world: position and yaw
+  Side last_step = Side::right;  ///< the foot that stepped last
+  BySide<Pose> foothold;   ///< where each foot stood last, in the planning frame
+};
+
+/// Nothing is asked for, a goal, or the reason why there is none.
+using GuideResult = std::variant<std::monostate, Goal, Refusal>;
+
+class Guide {
+ public:
+  /// Lifts below this share of the throttle count as zero.
+  static constexpr double kLeastLift = 0.05;
+
+  /// Robot and world must outlive the object.
+  Guide(const RobotModel& robot, const World& world) : robot_(&robot), world_(&world) {}
+
+  /// The goal that `command` asks for. The command is sanitised here.
+  [[nodiscard]] GuideResult goal(const GuideContext& context, const Command& command) const;
+
+ private:
+  struct Placement;  // a foot somewhere, and what speaks against it
+
+  [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Command& command) const;
+  [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Command& command) const;
+  [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Command& command) const;
+  /// Puts down a foot that is in the air while another part is guided.
+  [[nodiscard]] GuideResult lower(const GuideContext& context, Side side) const;
+  /// Decides whether and where a foot must step for the COM and trunk attitude of `goal`.
+  [[nodiscard]] GuideResult stand_under(const GuideContext& context, Goal goal) const;
+
+  /// A goal in which nothing moves.
+  [[nodiscard]] Goal stay(const GuideContext& context, Part guided) const;
+  /// The foot at a place on the ground, or in the air `lift` above it.
+  [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift) const;
+  /// Of the places in the foot's region, the nearest to `at` that can be stood on.
+  [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw) const;
+  /// COM above the supporting soles' middle, at the height that it has above its supports now.
+  [[nodiscard]] Vec3 com_above(const GuideContext& context, const Goal& goal) const;
+
+  const RobotModel* robot_;
+  const World* world_;
+};
+
+}  // namespace baton

@@ -1,0 +1,122 @@
+#include "baton/navigate/navigator.hpp"
+
+#include "baton/ik/stand.hpp"
+
+namespace baton {
+
+PlanningResult Planning::plan(const Problem& problem) {
+  PlanningResult result{problem.take_over, problem.command, problem.context.anchor, std::monostate{}};
+  GuideResult guided = guide_.goal(problem.context, problem.command);
+  if (const auto* refusal = std::get_if<Refusal>(&guided)) result.outcome = *refusal;
+  if (const auto* goal = std::get_if<Goal>(&guided)) {
+    PlanResult planned = planner_.plan(problem.context.from, *goal, problem.context.anchor);
+    if (auto* motion = std::get_if<Motion>(&planned)) {
+      result.outcome = std::move(*motion);
+    } else {
+      result.outcome = std::get<Refusal>(planned);
+    }
+  }
+  return result;
+}
+
+Navigator::Navigator(const RobotModel& robot, const Posture& start)
+    : robot_(&robot),
+      estimator_(robot),
+      stabiliser_(robot),
+      posture_(start),
+      held_(resting(robot, start)),
+      sample_(&held_),
+      foothold_(start.sole) {
+  const VecX zero = VecX::Zero(robot.nv() - 6);
+  soft_ = {zero, zero, zero, zero, {false, false}};
+}
+
+const JointTarget& Navigator::tick(const Measurement& measurement, const Command& command) {
+  ++tick_;
+  command_ = sanitised(command);
+  if (refusal_ && !(command_ == refused_)) refusal_.reset();
+
+  if (motion_ && ++index_ == motion_->ticks()) end_of_motion();
+  take_over();
+
+  sample_ = motion_ ? &motion_->samples[static_cast<std::size_t>(index_)] : &held_;
+  const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held_;
+  state_ = &estimator_.update(measurement, anchor_);
+  if (fallen_) {
+    soft_.q = measurement.q;
+    return soft_;
+  }
+  return stabiliser_.target(*sample_, next, *state_);
+}
+
+std::optional<Problem> Navigator::request() {
+  const int lookahead = robot_->profile().tick.lookahead;
+  if (fallen_ || tick_ < 0 || asked_) return std::nullopt;
+  if (motion_ && motion_->ticks() - index_ > lookahead) return std::nullopt;
+  const Posture& from = rest();
+  const bool a_foot_is_up = !from.contact.left || !from.contact.right;
+  if (command_.neutral() && !a_foot_is_up) return std::nullopt;
+
+  const Pose anchor = anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  // What was refused would be refused again, from the same place.
+  const bool same_place = (anchor.p - refused_at_.p).norm() < 1e-3;
+  if (refusal_ && !motion_ && same_place) return std::nullopt;
+  asked_ = Problem{tick_ + lookahead, command_, {from, anchor, last_step_, foothold_}};
+  return asked_;
+}
+
+void Navigator::offer(PlanningResult result) {
+  if (!asked_ || result.take_over != asked_->take_over || result.take_over <= tick_) return;
+  offered_ = std::move(result);
+}
+
+void Navigator::end_of_motion() {
+  posture_ = motion_->end;
+  held_ = motion_->rest;
+  motion_.reset();
+}
+
+void Navigator::take_over() {
+  if (!asked_ || asked_->take_over > tick_) return;
+  std::optional<PlanningResult> result = std::move(offered_);
+  offered_.reset();
+  asked_.reset();
+  if (!result || motion_ || fallen_) return;
+  if (auto* motion = std::get_if<Motion>(&result->outcome)) {
+    commit(std::move(*motion), result->anchor);
+  } else if (const auto* refusal = std::get_if<Refusal>(&result->outcome)) {
+    refusal_ = *refusal;
+    refused_ = result->command;
+    refused_at_ = result->anchor;
+  }
+}
+
+void Navigator::commit(Motion motion, const Pose& anchor) {
+  motion_ = std::move(motion);
+  index_ = 0;
+  anchor_ = anchor;
+  ++committed_;
+  refusal_.reset();
+  const Goal& goal = motion_->goal;
+  for (const Side side : kSides) {
+    if (goal.contact[side]) foothold_[side] = goal.sole[side];
+  }
+  if (goal.swing) last_step_ = *goal.swing;
+}
+
+void Navigator::fall() {
+  fallen_ = true;
+  motion_.reset();
+  offered_.reset();
+  asked_.reset();
+  sample_ = &held_;
+}
+
+Phase Navigator::phase() const {
+  if (fallen_) return Phase::fallen;
+  if (!motion_) return Phase::hold;
+  if (sample_->contact.left && sample_->contact.right) return Phase::double_support;
+  return sample_->contact.left ? Phase::single_left : Phase::single_right;
+}
+
+}  // namespace baton

@@ -1,0 +1,37 @@
+/// A goal made into a segment: contact phases, COM problem, and the paths of swing foot, trunk and hands for any
+/// duration.
+#pragma once
+
+#include "baton/ik/inverse_kinematics.hpp"
+#include "baton/motion/goal.hpp"
+#include "baton/motion/motion.hpp"
+#include "baton/plan/com_plan.hpp"
+
+namespace baton {
+
+class Segment {
+ public:
+  /// Which phases a kind of segment has: step = double–single–double support, lift = double–single, lower =
+  /// single–double, air = single, shift and reach = double.
+  Segment(const RobotModel& robot, const Posture& from, const Goal& goal);
+
+  [[nodiscard]] const ComProblem& com() const { return com_; }
+
+  /// Contact phases for a duration of `ticks`.
+  [[nodiscard]] std::vector<ContactPhase> phases(int ticks) const;
+
+  /// Targets of inverse kinematics at a tick.
+  [[nodiscard]] IkTargets targets(const ComPath& path, int tick, int ticks) const;
+
+ private:
+  /// The swing foot at `t` of a swing that takes `duration` [s].
+  [[nodiscard]] Pose swing(double t, double duration) const;
+
+  const RobotModel* robot_;
+  Posture from_;
+  Goal goal_;
+  std::vector<BySide<bool>> contact_;  ///< by phase
+  ComProblem com_;
+};
+
+}  // namespace baton

@@ -1,0 +1,30 @@
+/// A robot that does exactly what it is told, on ground that never gives: its joints are at their targets when the
+/// tick ends, and a sole that stands does not move.
+#pragma once
+
+#include "baton/robot/robot.hpp"
+
+namespace baton {
+
+class IdealRobot : public TransparentRobot {
+ public:
+  /// @param start posture that it stands in, in the world
+  IdealRobot(const RobotModel& robot, const Posture& start, double period);
+
+  [[nodiscard]] Measurement read() override;
+  void write(const JointTarget& target) override;
+  [[nodiscard]] const Truth& truth() const override { return truth_; }
+
+ private:
+  void measure_ground(const VecX& ddq);
+
+  const RobotModel* robot_;
+  double period_;
+  Kinematics kinematics_;
+  Side planted_ = Side::left;      ///< the sole that carries the chain
+  BySide<Pose> sole_;              ///< where the soles are
+  BySide<bool> contact_{true, true};
+  Truth truth_;
+};
+
+}  // namespace baton

@@ -1,0 +1,37 @@
+/// Port for everything that has joints and sensors: an ideal robot, a simulated one, a real one.
+#pragma once
+
+#include "baton/balance/measurement.hpp"
+#include "baton/motion/motion.hpp"
+
+namespace baton {
+
+class Robot {
+ public:
+  virtual ~Robot() = default;
+
+  /// What the sensors say now.
+  [[nodiscard]] virtual Measurement read() = 0;
+
+  /// Where the joints shall be when the tick ends. A simulated robot lives through the tick in this call.
+  virtual void write(const JointTarget& target) = 0;
+};
+
+/// What only a simulation knows: for traces and graders, never for control.
+struct Truth {
+  double t = 0.0;
+  VecX q;                         ///< configuration (nq) in the order of the robot's model
+  VecX dq;                        ///< (nv)
+  BySide<Wrench> sole;            ///< from the ground, in the world, about its origin
+  BySide<bool> touch{false, false};
+  bool fallen = false;
+  std::string fall;               ///< what made it one
+};
+
+/// A robot whose truth can be seen.
+class TransparentRobot : public Robot {
+ public:
+  [[nodiscard]] virtual const Truth& truth() const = 0;
+};
+
+}  // namespace baton

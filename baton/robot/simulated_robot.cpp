@@ -1,0 +1,202 @@
+#include "baton/robot/simulated_robot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kFallenTilt = 45.0 * M_PI / 180.0;
+constexpr double kFallenHeight = 0.5;  ///< share of the nominal COM height
+constexpr double kTouch = 0.5;         ///< [N] force from which a sole counts as touching
+
+}  // namespace
+
+SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period)
+    : SimulatedRobot(robot, world, start, period, Parameters{}) {}
+
+SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
+                               Parameters parameters)
+    : robot_(&robot),
+      period_(period),
+      parameters_(parameters),
+      text_(world.compose(robot, parameters.timestep)),
+      kinematics_(robot) {
+  const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
+  std::array<char, 1000> message{};
+  const SpecPtr spec(mj_parseXMLString(text_.c_str(), nullptr, message.data(), message.size()));
+  if (!spec) throw InputError(fmt::format("{}: {}", owner, message.data()));
+  model_ = compile_model(*spec, owner);
+  mjModel& m = *model_;
+
+  const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);
+  root_body_ = root;
+  root_qpos_ = m.jnt_qposadr[m.body_jntadr[root]];
+  root_dof_ = m.jnt_dofadr[m.body_jntadr[root]];
+  for (const Joint& joint : robot.joints()) {
+    const int id = find_id(m, mjOBJ_JOINT, joint.name, owner);
+    qpos_.push_back(m.jnt_qposadr[id]);
+    dof_.push_back(m.jnt_dofadr[id]);
+    int motor = -1;
+    for (int a = 0; a < m.nu; ++a) {
+      if (m.actuator_trntype[a] == mjTRN_JOINT && m.actuator_trnid[2 * a] == id) motor = a;
+    }
+    if (motor < 0 || m.actuator_biastype[motor] != mjBIAS_NONE) {
+      throw InputError(fmt::format("{}: joint '{}' has no torque motor", owner, joint.name));
+    }
+    motor_.push_back(motor);
+  }
+  robot_geom_.assign(static_cast<std::size_t>(m.ngeom), 0);
+  sole_of_geom_.assign(static_cast<std::size_t>(m.ngeom), -1);
+  for (int g = 0; g < m.ngeom; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    robot_geom_[i] = m.body_rootid[m.geom_bodyid[g]] == root;
+    if (!robot_geom_[i] || (m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0)) continue;
+    const std::string body = name_of(m, mjOBJ_BODY, m.geom_bodyid[g]);
+    for (const Side side : kSides) {
+      if (body == name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(side))) sole_of_geom_[i] = static_cast<int>(side);
+    }
+  }
+  imu_site_ = robot.profile().imu.empty() ? -1 : find_id(m, mjOBJ_SITE, robot.profile().imu, owner);
+
+  const Plant& plant = parameters_.plant;
+  for (int g = 0; g < m.ngeom; ++g) m.geom_friction[3 * g] *= plant.friction;
+  for (int b = 0; b < m.nbody; ++b) {
+    m.body_mass[b] *= plant.mass;
+    for (int axis = 0; axis < 3; ++axis) m.body_inertia[3 * b + axis] *= plant.mass;
+  }
+  for (int axis = 0; axis < 3; ++axis) m.body_ipos[3 * root + axis] += plant.com_offset[axis];
+
+  data_ = DataPtr(mj_makeData(&m));
+  if (plant.mass != 1.0 || !plant.com_offset.isZero(0.0)) mj_setConst(&m, data_.get());
+  for (int i = 0; i < 7; ++i) data_->qpos[root_qpos_ + i] = start.q[i];
+  for (std::size_t j = 0; j < qpos_.size(); ++j) data_->qpos[qpos_[j]] = start.q[7 + static_cast<Eigen::Index>(j)];
+  if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
+  truth_.q = start.q;
+  truth_.dq = VecX::Zero(robot.nv());
+  mj_forward(&m, data_.get());
+  observe();
+}
+
+void SimulatedRobot::write(const JointTarget& target) {
+  const int steps = static_cast<int>(std::lround(period_ / parameters_.timestep));
+  const double gain = parameters_.plant.gains;
+  for (int step = 0; step < steps; ++step) {
+    // The drive: a servo on the angle, with the feed-forward torque folded into it, q + τ/kp.
+    const double to_end = (steps - step) * parameters_.timestep;
+    for (std::size_t j = 0; j < qpos_.size(); ++j) {
+      const auto i = static_cast<Eigen::Index>(j);
+      const Joint& joint = robot_->joints()[j];
+      const double folded = target.q[i] + target.tau[i] / joint.gains.kp - to_end * target.dq[i];
+      const double torque = gain * (joint.gains.kp * (folded - data_->qpos[qpos_[j]]) +
+                                    joint.gains.kd * (target.dq[i] - data_->qvel[dof_[j]]));
+      data_->ctrl[motor_[j]] = std::clamp(torque, -joint.motor.stall, joint.motor.stall);
+    }
+    mj_step(model_.get(), data_.get());
+  }
+  observe();
+  check_fall();
+}
+
+void SimulatedRobot::observe() {
+  const mjModel& m = *model_;
+  truth_.t = data_->time;
+  for (int i = 0; i < 7; ++i) truth_.q[i] = data_->qpos[root_qpos_ + i];
+  for (int i = 0; i < 6; ++i) truth_.dq[i] = data_->qvel[root_dof_ + i];
+  for (std::size_t j = 0; j < qpos_.size(); ++j) {
+    truth_.q[7 + static_cast<Eigen::Index>(j)] = data_->qpos[qpos_[j]];
+    truth_.dq[6 + static_cast<Eigen::Index>(j)] = data_->qvel[dof_[j]];
+  }
+  for (const Side side : kSides) truth_.sole[side] = {};
+  for (int c = 0; c < data_->ncon; ++c) {
+    const mjContact& contact = data_->contact[c];
+    for (const int which : {0, 1}) {
+      const int geom = contact.geom[which];
+      if (geom < 0 || sole_of_geom_[static_cast<std::size_t>(geom)] < 0) continue;
+      if (contact.geom[1 - which] >= 0 && robot_geom_[static_cast<std::size_t>(contact.geom[1 - which])]) continue;
+      std::array<mjtNum, 6> local{};
+      mj_contactForce(&m, data_.get(), c, local.data());
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(contact.frame);
+      const double sign = which == 1 ? 1.0 : -1.0;  // the force acts from geom 0 on geom 1
+      const Vec3 force = sign * (axes.transpose() * Vec3(local[0], local[1], local[2]));
+      const Vec3 torque = sign * (axes.transpose() * Vec3(local[3], local[4], local[5]));
+      const Vec3 at(contact.pos[0], contact.pos[1], contact.pos[2]);
+      Wrench& sole = truth_.sole[static_cast<Side>(sole_of_geom_[static_cast<std::size_t>(geom)])];
+      sole.force += force;
+      sole.moment += at.cross(force) + torque;
+    }
+  }
+  for (const Side side : kSides) truth_.touch[side] = truth_.sole[side].force.z() > kTouch;
+}
+
+void SimulatedRobot::check_fall() {
+  if (truth_.fallen) return;
+  const mjModel& m = *model_;
+  const auto fall = [this](std::string why) {
+    truth_.fallen = true;
+    truth_.fall = std::move(why);
+  };
+  for (int i = 0; i < mjNWARNING; ++i) {
+    if (data_->warning[i].number > 0) {
+      return fall(fmt::format("simulator warning: {}", mju_warningText(i, static_cast<size_t>(data_->warning[i].lastinfo))));
+    }
+  }
+  for (int c = 0; c < data_->ncon; ++c) {
+    const mjContact& contact = data_->contact[c];
+    for (const int which : {0, 1}) {
+      const int mine = contact.geom[which];
+      const int theirs = contact.geom[1 - which];
+      if (mine < 0 || theirs < 0 || contact.efc_address < 0) continue;
+      if (!robot_geom_[static_cast<std::size_t>(mine)] || robot_geom_[static_cast<std::size_t>(theirs)]) continue;
+      if (sole_of_geom_[static_cast<std::size_t>(mine)] < 0) {
+        return fall(fmt::format("{} touches {}", name_of(m, mjOBJ_GEOM, mine), name_of(m, mjOBJ_GEOM, theirs)));
+      }
+    }
+  }
+  kinematics_.set(truth_.q);
+  const double tilt = std::acos(std::clamp(kinematics_.trunk().R(2, 2), -1.0, 1.0));
+  if (!(tilt <= kFallenTilt)) return fall(fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI));
+  const double ground = std::min(kinematics_.sole(Side::left).p.z(), kinematics_.sole(Side::right).p.z());
+  const double height = kinematics_.com().z() - ground;
+  if (!(height >= kFallenHeight * parameters_.nominal_com_height)) {
+    fall(fmt::format("the COM is {:.3f} m above the lower sole", height));
+  }
+}
+
+void SimulatedRobot::push(const Vec3& impulse) {
+  const double mass = model_->body_subtreemass[root_body_];
+  for (int axis = 0; axis < 3; ++axis) data_->qvel[root_dof_ + axis] += impulse[axis] / mass;
+}
+
+Measurement SimulatedRobot::read() {
+  Measurement measurement;
+  measurement.t = truth_.t;
+  measurement.q = truth_.q.tail(robot_->nv() - 6);
+  measurement.dq = truth_.dq.tail(robot_->nv() - 6);
+  kinematics_.set(truth_.q);
+  measurement.root = RootMeasurement{kinematics_.body(1), truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
+  if (imu_site_ >= 0) {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> attitude(data_->site_xmat + 9 * imu_site_);
+    measurement.imu.attitude = attitude;
+    std::array<mjtNum, 6> velocity{};
+    mj_objectVelocity(model_.get(), data_.get(), mjOBJ_SITE, imu_site_, velocity.data(), 1);
+    measurement.imu.rate = {velocity[0], velocity[1], velocity[2]};
+    mj_rnePostConstraint(model_.get(), data_.get());
+    std::array<mjtNum, 6> acceleration{};
+    mj_objectAcceleration(model_.get(), data_.get(), mjOBJ_SITE, imu_site_, acceleration.data(), 1);
+    measurement.imu.acceleration = {acceleration[3], acceleration[4], acceleration[5]};
+  }
+  for (const Side side : kSides) {
+    const Pose to_sole = kinematics_.sole(side).inverse();
+    measurement.sole[side] = {to_sole.R * truth_.sole[side].force,
+                              to_sole.R * truth_.sole[side].moment_about(kinematics_.sole(side).p)};
+  }
+  return measurement;
+}
+
+}  // namespace baton

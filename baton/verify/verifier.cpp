@@ -1,0 +1,154 @@
+#include "baton/verify/verifier.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace baton {
+namespace {
+
+/// Whether a quantity is bounded from above (or from below).
+bool has_upper_limit(Reason quantity) {
+  switch (quantity) {
+    case Reason::zmp:
+    case Reason::sole_gap:
+    case Reason::joint_limit:
+    case Reason::self_collision:
+    case Reason::swing_ground:
+      return false;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+/// Keeps the worst value of each quantity, and the first violation.
+class Verifier::Ledger {
+ public:
+  /// Returns false from the first violation on.
+  bool enter(Reason quantity, Part part, double value, double limit, double t, int subject) {
+    const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
+    Entry& entry = entries_[static_cast<std::size_t>(quantity)];
+    if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
+    if (!(slack >= 0.0) && !violation_) violation_ = quantity;
+    return !violation_;
+  }
+
+  [[nodiscard]] bool violated() const { return violation_.has_value(); }
+
+  template <typename Name>
+  [[nodiscard]] std::variant<Certificate, Refusal> result(const Name& name) const {
+    if (violation_) {
+      const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
+      return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject)};
+    }
+    Certificate certificate;
+    for (std::size_t i = 0; i < kReasons; ++i) {
+      const Entry& e = entries_[i];
+      const auto quantity = static_cast<Reason>(i);
+      if (e.known) certificate.margins.push_back({quantity, e.value, e.limit, e.t, name(quantity, e.subject)});
+    }
+    return certificate;
+  }
+
+ private:
+  struct Entry {
+    bool known = false;
+    double slack = 0.0;
+    Part part = Part::trunk;
+    double value = 0.0;
+    double limit = 0.0;
+    double t = 0.0;
+    int subject = -1;  ///< joint, or pair of geoms as first · ngeom + second
+  };
+  std::array<Entry, kReasons> entries_{};
+  std::optional<Reason> violation_;
+};
+
+Verifier::Verifier(const RobotModel& robot, const World& world)
+    : robot_(&robot), world_(&world), kinematics_(robot), tau_(VecX::Zero(robot.nv() - 6)) {}
+
+void Verifier::check_joints(const MotionSample& sample, double t, Ledger& ledger) const {
+  const double margin = robot_->profile().margin.joint;
+  for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+    const Joint& joint = robot_->joints()[j];
+    const auto i = static_cast<Eigen::Index>(j);
+    const double q = sample.q[7 + i];
+    const double room = std::min(q - joint.position.lo, joint.position.hi - q);
+    const auto subject = static_cast<int>(j);
+    ledger.enter(Reason::joint_limit, Part::trunk, room, margin, t, subject);
+    ledger.enter(Reason::joint_speed, Part::trunk, std::abs(sample.dq[6 + i]), joint.speed, t, subject);
+  }
+}
+
+void Verifier::check_wrench(const Motion& motion, int tick, double t, Ledger& ledger) {
+  const Profile::Margin& margin = robot_->profile().margin;
+  const auto& samples = motion.samples;
+  const MotionSample& sample = samples[static_cast<std::size_t>(tick)];
+  const Wrench total = ground_wrench(kinematics_, sample.force);
+  // Where phases meet, the ZMP must suit the soles that stand on both sides.
+  const auto& before = samples[static_cast<std::size_t>(std::max(tick - 1, 0))].contact;
+  const auto& after = samples[static_cast<std::size_t>(std::min(tick + 1, motion.ticks()))].contact;
+  const BySide<bool> contact{sample.contact.left && before.left && after.left,
+                             sample.contact.right && before.right && after.right};
+  const ConvexPolygon support = support_polygon(*robot_, sample.sole, contact, sample.com, sample.zmp_height);
+  ledger.enter(Reason::zmp, Part::trunk, support.margin(sample.zmp), margin.zmp_verify, t, -1);
+  ledger.enter(Reason::friction, Part::trunk, total.force.head<2>().norm() / total.force.z(), margin.friction, t, -1);
+  joint_torques(kinematics_, sample.force, share_wrench(*robot_, sample.sole, sample.contact, total), tau_);
+  for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    const double load = robot_->joints()[j].motor.load(tau_[i], sample.dq[6 + i]);
+    ledger.enter(Reason::joint_torque, Part::trunk, load, margin.torque, t, static_cast<int>(j));
+  }
+}
+
+void Verifier::check_soles(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) const {
+  const Profile& profile = robot_->profile();
+  if (sample.contact.left && sample.contact.right) return;
+  const Side swing = sample.contact.left ? Side::right : Side::left;
+  const ConvexPolygon outline = sole_outline(*robot_, swing, sample.sole[swing]);
+  const ConvexPolygon stance = sole_outline(*robot_, other(swing), sample.sole[other(swing)]);
+  ledger.enter(Reason::sole_gap, foot(swing), separation(outline, stance), profile.region.sole_gap, t, -1);
+  const Pose in_world = anchor * sample.sole[swing];
+  const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-profile.margin.edge));
+  constexpr double kContact = -2e-4;  // the sole leaves the ground it stood on, and meets the next
+  ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, kContact, t, -1);
+}
+
+std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& anchor) {
+  Ledger ledger;
+  const auto name = [this](Reason quantity, int subject) -> std::string {
+    if (subject < 0) return "";
+    if (quantity != Reason::self_collision) return robot_->joints()[static_cast<std::size_t>(subject)].name;
+    const int n = robot_->mj().ngeom;
+    return fmt::format("{} and {}", name_of(robot_->mj(), mjOBJ_GEOM, subject / n),
+                       name_of(robot_->mj(), mjOBJ_GEOM, subject % n));
+  };
+  // What is cheap first: most candidates that fail, fail here.
+  for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
+    const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
+    if (!sample.q.allFinite() || !sample.dq.allFinite() || !sample.ddq.allFinite()) {
+      return Refusal{Reason::not_finite, Part::trunk, 0, 0, ""};
+    }
+    check_joints(sample, k * motion.period, ledger);
+    check_soles(sample, anchor, k * motion.period, ledger);
+  }
+  const double near = 4.0 * robot_->profile().margin.self_collision + 0.01;  // distances beyond are not measured
+  for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
+    MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
+    const double t = k * motion.period;
+    sample.force.resize(robot_->nv());
+    kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
+    sample.zmp_height = support_plane(sample.sole, sample.contact);
+    sample.zmp = ground_wrench(kinematics_, sample.force).zmp(sample.zmp_height);
+    check_wrench(motion, k, t, ledger);
+    std::array<int, 2> pair{-1, -1};
+    const double distance = kinematics_.self_distance(near, &pair);
+    ledger.enter(Reason::self_collision, Part::trunk, distance, robot_->profile().margin.self_collision, t,
+                 pair[0] < 0 ? -1 : pair[0] * robot_->mj().ngeom + pair[1]);
+  }
+  return ledger.result(name);
+}
+
+}  // namespace baton
