@@ -128,7 +128,7 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   return first;
 }
 
-GuideResult Guide::goal(const GuideContext& context, const Command& raw) const {
+GuideResult Guide::goals(const GuideContext& context, const Command& raw) const {
   const Command command = sanitised(raw);
   for (const Side side : kSides) {
     if (!context.from.contact[side] && command.guide != foot(side)) return lower(context, side);
@@ -153,7 +153,7 @@ GuideResult Guide::lower(const GuideContext& context, Side side) const {
   goal.sole[side] = placement.sole;
   goal.com = com_above(context, goal);
   goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(goal.trunk);
-  return goal;
+  return std::vector<Goal>{goal};
 }
 
 GuideResult Guide::guide_foot(const GuideContext& context, const Command& command) const {
@@ -187,7 +187,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   }
   goal.com = com_above(context, goal);
   goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(from.trunk);
-  return goal;
+  return std::vector<Goal>{goal};
 }
 
 GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
@@ -210,7 +210,7 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   for (const Side side : kSides) {
     for (const int j : robot_->arm(side)) goal.arms[j] = robot_->joints()[static_cast<std::size_t>(j)].home;
   }
-  return stand_under(context, std::move(goal));
+  return stand_under(context, goal);
 }
 
 GuideResult Guide::guide_hand(const GuideContext& context, const Command& command) const {
@@ -234,12 +234,12 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
     const double support = from.support_height();
     goal.com.z() = support + std::clamp(goal.com.z() - support, profile.region.com_height.lo,
                                         profile.region.com_height.hi);
-    return stand_under(context, std::move(goal));
+    return stand_under(context, goal);
   }
-  return goal;
+  return std::vector<Goal>{goal};
 }
 
-GuideResult Guide::stand_under(const GuideContext& context, Goal goal) const {
+GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) const {
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
@@ -247,7 +247,11 @@ GuideResult Guide::stand_under(const GuideContext& context, Goal goal) const {
                                                 support_plane(from.sole, from.contact));
   const Vec2 target = goal.com.head<2>();
   const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
-  if (support.margin(target) >= profile.margin.stand_on && !turn) return goal;
+  const bool stands = support.margin(target) >= profile.margin.stand_on;
+  std::vector<Goal> goals;
+  if (stands && !turn) goals.push_back(goal);
+  // A COM that does not move sideways, and need not turn, is not helped by a step.
+  if (stands && !turn && (target - from.com.head<2>()).norm() < kSamePlace) return goals;
 
   // The farther foot first; at a tie, the one that did not step last.
   const auto distance = [&](Side side) { return (from.sole[side].p.head<2>() - target).norm(); };
@@ -256,47 +260,42 @@ GuideResult Guide::stand_under(const GuideContext& context, Goal goal) const {
     first = distance(Side::left) > distance(Side::right) ? Side::left : Side::right;
   }
   const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
-  std::optional<Side> stepping;
-  Placement placement;
+  const auto step = [&](Side side, const Pose& sole) {
+    Goal stepping = goal;
+    stepping.kind = SegmentKind::step;
+    stepping.swing = side;
+    stepping.sole[side] = sole;
+    // Above the middle of the feet, at the height above the supports that was asked for.
+    const double height = goal.com.z() - from.support_height();
+    stepping.com = 0.5 * (stepping.sole.left.p + stepping.sole.right.p) + Vec3(0, 0, height);
+    goals.push_back(std::move(stepping));
+  };
   std::optional<Refusal> against;
   for (const Side side : {first, other(first)}) {
-    placement = place(context, side, wish(side), yaw, 0.0);
-    if (!placement.against) {
-      stepping = side;
-      break;
-    }
-    if (!against) against = placement.against;
+    const Placement placement = place(context, side, wish(side), yaw, 0.0);
+    if (!placement.against) step(side, placement.sole);
+    if (placement.against && !against) against = placement.against;
   }
-  if (!stepping) {
-    // Neither fits: of both feet the place whose middle is nearest to the goal, if that is progress.
-    const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
-    double best = std::numeric_limits<double>::infinity();
-    for (const Side side : {first, other(first)}) {
-      Placement candidate = nearest_place(context, side, wish(side), yaw);
-      if (candidate.against) continue;
-      const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
-      const double turned = std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) -
-                            std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
-      const bool nearer = left < (middle - target).norm() - kSamePlace;
-      const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + profile.reach.trunk;
-      if ((nearer || turns) && left < best - kSamePlace) {
-        best = left;
-        stepping = side;
-        placement = std::move(candidate);
-      }
-    }
-    if (!stepping) {
-      if (support.margin(target) >= profile.margin.stand_on) return goal;  // it can at least turn the trunk
-      return Refusal{Reason::no_progress, against->part, against->value, against->limit, std::string(to_string(against->reason))};
-    }
+  // Then, of both feet, the place whose middle is nearest to the goal, if that is progress.
+  const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
+  std::vector<std::pair<double, std::pair<Side, Pose>>> nearest;
+  for (const Side side : {first, other(first)}) {
+    const Placement candidate = nearest_place(context, side, wish(side), yaw);
+    if (candidate.against) continue;
+    const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
+    const double turned = std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) -
+                          std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
+    const bool nearer = left < (middle - target).norm() - kSamePlace;
+    const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + profile.reach.trunk;
+    if (left > kSamePlace && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
   }
-  goal.kind = SegmentKind::step;
-  goal.swing = stepping;
-  goal.sole[*stepping] = placement.sole;
-  // Above the middle of the feet, at the height above the supports that was asked for.
-  const double height = goal.com.z() - from.support_height();
-  goal.com = 0.5 * (goal.sole.left.p + goal.sole.right.p) + Vec3(0, 0, height);
-  return goal;
+  if (nearest.size() == 2 && nearest[1].first < nearest[0].first - kSamePlace) std::swap(nearest[0], nearest[1]);
+  for (const auto& [left, placed] : nearest) step(placed.first, placed.second);
+  // If no foot can follow, the trunk can still turn, as far as feet may be turned at all.
+  if (stands && turn && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
+  if (!goals.empty()) return goals;
+  return Refusal{Reason::no_progress, against->part, against->value, against->limit,
+                 std::string(to_string(against->reason))};
 }
 
 }  // namespace baton

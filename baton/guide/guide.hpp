@@ -19,8 +19,9 @@ struct GuideContext {
   BySide<Pose> foothold;   ///< where each foot stood last, in the planning frame
 };
 
-/// Nothing is asked for, a goal, or the reason why there is none.
-using GuideResult = std::variant<std::monostate, Goal, Refusal>;
+/// Nothing is asked for; goals, the one that the rules prefer first and then what else would serve the command; or
+/// the reason why there is none.
+using GuideResult = std::variant<std::monostate, std::vector<Goal>, Refusal>;
 
 class Guide {
  public:
@@ -30,8 +31,8 @@ class Guide {
   /// Robot and world must outlive the object.
   Guide(const RobotModel& robot, const World& world) : robot_(&robot), world_(&world) {}
 
-  /// The goal that `command` asks for. The command is sanitised here.
-  [[nodiscard]] GuideResult goal(const GuideContext& context, const Command& command) const;
+  /// The goals that `command` asks for. The command is sanitised here.
+  [[nodiscard]] GuideResult goals(const GuideContext& context, const Command& command) const;
 
  private:
   struct Placement;  // a foot somewhere, and what speaks against it
@@ -41,8 +42,8 @@ class Guide {
   [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Command& command) const;
   /// Puts down a foot that is in the air while another part is guided.
   [[nodiscard]] GuideResult lower(const GuideContext& context, Side side) const;
-  /// Decides whether and where a foot must step for the COM and trunk attitude of `goal`.
-  [[nodiscard]] GuideResult stand_under(const GuideContext& context, Goal goal) const;
+  /// Decides whether and where a foot steps for the COM and trunk attitude of `goal`.
+  [[nodiscard]] GuideResult stand_under(const GuideContext& context, const Goal& goal) const;
 
   /// A goal in which nothing moves.
   [[nodiscard]] Goal stay(const GuideContext& context, Part guided) const;

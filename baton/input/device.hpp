@@ -19,8 +19,8 @@ class Device {
  public:
   virtual ~Device() = default;
 
-  /// The newest command at time `t` [s, of the run]. Neutral while the device is absent, silent, or not armed.
-  /// Never throws and never blocks.
+  /// The newest command at time `t` [s, of the run]. Neutral while the device is absent, silent, or not
+  /// armed. Never throws and never blocks.
   [[nodiscard]] virtual Command read(double t) = 0;
 
   [[nodiscard]] virtual DeviceStatus status() const = 0;

@@ -6,15 +6,18 @@ namespace baton {
 
 PlanningResult Planning::plan(const Problem& problem) {
   PlanningResult result{problem.take_over, problem.command, problem.context.anchor, std::monostate{}};
-  GuideResult guided = guide_.goal(problem.context, problem.command);
+  GuideResult guided = guide_.goals(problem.context, problem.command);
   if (const auto* refusal = std::get_if<Refusal>(&guided)) result.outcome = *refusal;
-  if (const auto* goal = std::get_if<Goal>(&guided)) {
-    PlanResult planned = planner_.plan(problem.context.from, *goal, problem.context.anchor);
+  const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+  if (goals == nullptr) return result;
+  for (const Goal& goal : *goals) {
+    PlanResult planned = planner_.plan(problem.context.from, goal, problem.context.anchor);
     if (auto* motion = std::get_if<Motion>(&planned)) {
       result.outcome = std::move(*motion);
-    } else {
-      result.outcome = std::get<Refusal>(planned);
+      return result;
     }
+    // What speaks against the preferred goal is what the operator should know.
+    if (&goal == &goals->front()) result.outcome = std::get<Refusal>(planned);
   }
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "baton/math/quintic.hpp"
 #include "baton/model/contact.hpp"
@@ -10,6 +11,10 @@ namespace baton {
 namespace {
 
 constexpr double kLevel = 2e-3;  ///< [m] footholds nearer in height need no shaped swing
+
+constexpr double kGapReserve = 1e-3;   ///< [m]
+constexpr double kMostOutward = 0.02;  ///< [m]
+constexpr double kOutwardStep = 4e-3;  ///< [m]
 
 BySide<bool> only(Side side) { return {side == Side::left, side == Side::right}; }
 
@@ -70,6 +75,23 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
     const Vec3 com = from.com + (goal.com - from.com) * (static_cast<double>(i) / static_cast<double>(shares.size()));
     com_.phases.push_back({shares[i], support_polygon(robot, sole, contact_[i], com, plane)});
   }
+  if (goal.swing) {
+    // Turned soles may pass each other too closely on the straight way.
+    const double wanted = robot.profile().region.sole_gap + kGapReserve;
+    while (outward_ < kMostOutward && least_gap() < wanted) outward_ += kOutwardStep;
+  }
+}
+
+double Segment::least_gap() const {
+  const Side side = *goal_.swing;
+  const ConvexPolygon stance = sole_outline(*robot_, other(side), from_.sole[other(side)]);
+  double least = std::numeric_limits<double>::infinity();
+  constexpr int kSamples = 20;
+  for (int k = 1; k < kSamples; ++k) {
+    const Pose sole = swing(static_cast<double>(k) / kSamples, 1.0);
+    least = std::min(least, separation(sole_outline(*robot_, side, sole), stance));
+  }
+  return least;
 }
 
 std::vector<ContactPhase> Segment::phases(int ticks) const {
@@ -95,6 +117,8 @@ Pose Segment::swing(double t, double duration) const {
   const double s = smooth_step(t - begin * duration, (end - begin) * duration).x;
   Pose pose;
   pose.p = a.p + s * (b.p - a.p);
+  const double bow = 16.0 * s * s * (1.0 - s) * (1.0 - s);
+  pose.p += from_.sole[other(side)].R * Vec3(0, sign_of(side) * outward_ * bow, 0);
   pose.R = interpolate(a.R, b.R, s);
   if (goal_.kind == SegmentKind::step && lands) {
     // Up to the apex and down again: two quintics, smooth to the second derivative.

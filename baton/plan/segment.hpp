@@ -26,12 +26,15 @@ class Segment {
  private:
   /// The swing foot at `t` of a swing that takes `duration` [s].
   [[nodiscard]] Pose swing(double t, double duration) const;
+  /// Least gap of the two soles' outlines along the swing [m].
+  [[nodiscard]] double least_gap() const;
 
   const RobotModel* robot_;
   Posture from_;
   Goal goal_;
   std::vector<BySide<bool>> contact_;  ///< by phase
   ComProblem com_;
+  double outward_ = 0.0;  ///< how far the swing bends away from the stance foot, to keep the gap [m]
 };
 
 }  // namespace baton

@@ -1,0 +1,18 @@
+/// The command line, as a function: the program is `run(args)`, tests call it too.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace baton::app {
+
+/// Exit codes.
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kBadInput = 2;
+inline constexpr int kFallen = 3;
+
+/// Runs the program with these arguments (without the program's name). Never throws.
+int run(const std::vector<std::string>& args);
+
+}  // namespace baton::app

@@ -1,0 +1,60 @@
+/// The program's commands, each with its options. All throw InputError for bad input.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace baton::app {
+
+/// Set by Ctrl-C: come to rest, write what was asked for, end.
+extern std::atomic<bool> interrupted;
+
+struct DriveOptions {
+  std::string robot = "mighty";
+  std::string world = "room";
+  std::string on = "sim";
+  std::string input = "auto";
+  std::string duration = "paper";
+  std::string gait = "stop";
+  std::string on_limit = "discard";
+  std::optional<double> seconds;
+  long seed = 0;
+  bool headless = false;
+  bool fast = false;
+  int port = 8080;
+  std::optional<std::filesystem::path> trace;
+  std::optional<std::filesystem::path> save_model;
+  std::optional<std::filesystem::path> report;
+};
+
+struct PlanOptions {
+  std::string robot = "mighty";
+  std::string world = "flat";
+  std::filesystem::path script;
+  double seconds = 1.0;  ///< how long the last line is held
+};
+
+struct ReproduceOptions {
+  std::string what;
+  std::filesystem::path out;
+};
+
+struct OperateOptions {
+  std::string task = "room";
+  std::string robot = "mighty";
+  std::string on = "sim";
+  long seed = 0;
+  double seconds = 240.0;  ///< the operator gives up then
+  std::optional<std::filesystem::path> report;
+  std::optional<std::filesystem::path> trace;
+  std::optional<std::filesystem::path> script;  ///< writes the stick as a script
+};
+
+int drive(const DriveOptions& options);
+int plan(const PlanOptions& options);
+//int reproduce(const ReproduceOptions& options);
+//int operate(const OperateOptions& options);
+
+}  // namespace baton::app

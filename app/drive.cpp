@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "app/app.hpp"
+#include "app/commands.hpp"
+#include "app/inputs.hpp"
+#include "app/session.hpp"
+#include "app/view.hpp"
+#include "baton/model/error.hpp"
+#include "baton/record/report.hpp"
+#include "baton/record/trace.hpp"
+
+namespace baton::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void refuse_modes_to_come(const DriveOptions& o) {
+  const auto refuse = [](const std::string& option, const std::string& value, const std::string& there) {
+    throw InputError(fmt::format("{} {}: not there yet; {} {} is", option, value, option, there));
+  };
+  if (o.duration != "paper") refuse("--duration", o.duration, "paper");
+  if (o.gait != "stop") refuse("--gait", o.gait, "stop");
+  if (o.on_limit != "discard") refuse("--on-limit", o.on_limit, "discard");
+}
+
+/// Opens an output before the run, so that nothing is lost after it.
+std::optional<std::ofstream> open(const std::optional<std::filesystem::path>& file, const std::string& option) {
+  if (!file) return std::nullopt;
+  std::ofstream out(*file);
+  if (!out) throw InputError(fmt::format("{} {}: cannot be written", option, file->string()));
+  return out;
+}
+
+}  // namespace
+
+int drive(const DriveOptions& o) {
+  refuse_modes_to_come(o);
+  if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: without a clock only that ends the run");
+  const RobotModel robot = RobotModel::load(o.robot);
+  const World world = World::load(o.world);
+  Inputs inputs(o.input);
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal);
+  std::optional<std::ofstream> report_file = open(o.report, "--report");
+  if (auto model_file = open(o.save_model, "--save-model")) *model_file << session.model_text();
+  std::optional<Trace> trace;
+  if (o.trace) trace.emplace(robot, *o.trace);
+  Report report(robot);
+  session.on_tick = [&](const TickRecord& record) {
+    report.add(record);
+    if (trace) trace->add(record);
+  };
+  session.on_plan = [&](const PlanRecord& record) { report.add(record); };
+
+  std::optional<View> view;
+  if (!o.headless && !o.fast) {
+    view.emplace(session, o.port);
+    inputs.add_page(view->device());
+    fmt::print("page at {}\n", view->url());
+    std::fflush(stdout);
+  } else if (o.input == "page") {
+    throw InputError("--input page needs the page: leave out --headless and --fast");
+  }
+
+  const Clock::time_point start = Clock::now();
+  const double period = robot.profile().tick.period;
+  bool stopping = false;
+  while (!o.seconds || session.t() < *o.seconds - 0.5 * period) {
+    if (interrupted && !stopping) {
+      stopping = true;
+      spdlog::info("coming to rest");
+    }
+    if (stopping && session.resting()) break;
+    session.step(stopping ? Command{} : inputs.read(session.t()));
+    if (view) view->show(session, inputs.status());
+    if (session.fallen()) {
+      session.step(Command{});  // the plan is cleared and the motors go soft: the last row says so
+      break;
+    }
+    if (!o.fast) std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(session.t())));
+  }
+
+  const nlohmann::json summary = report.json(world.name(), o.on, o.seed, seconds_since(start));
+  bool written = true;
+  if (report_file) {
+    *report_file << summary.dump(2) << '\n';
+    written = report_file->flush().good();
+  }
+  if (trace) written = trace->close() && written;
+  const auto& segments = summary["segments"];
+  fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
+             world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
+             summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
+             session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
+  if (!written) throw std::runtime_error("the trace or the report could not be written whole: is the disk full?");
+  return session.fallen() ? kFallen : kDone;
+}
+
+}  // namespace baton::app

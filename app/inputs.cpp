@@ -1,0 +1,54 @@
+#include "app/inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "baton/input/joystick.hpp"
+#include "baton/input/script.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+
+Inputs::Inputs(const std::string& choice) : choice_(choice) {
+  const std::string script = "script:";
+  if (choice.starts_with(script)) {
+    owned_.push_back(std::make_unique<Script>(Script::load(choice.substr(script.size()))));
+  } else if (choice == "auto" || choice == "joystick") {
+    owned_.push_back(std::make_unique<Joystick>());
+  } else if (choice != "page") {
+    throw InputError(fmt::format("--input {}: must be auto, joystick, page or script:FILE", choice));
+  }
+  for (const auto& device : owned_) devices_.push_back(device.get());
+}
+
+void Inputs::add_page(Device& page) {
+  if (choice_ == "auto" || choice_ == "page") devices_.push_back(&page);
+}
+
+Command Inputs::read(double t) {
+  std::optional<Command> chosen;
+  active_ = nullptr;
+  Command last;
+  for (Device* device : devices_) {
+    const Command command = device->read(t);
+    if (!chosen && device->status().armed) {
+      chosen = command;
+      active_ = device;
+    }
+    last = command;
+  }
+  return chosen.value_or(last);
+}
+
+DeviceStatus Inputs::status() const {
+  if (active_ != nullptr) return active_->status();
+  DeviceStatus newest;
+  for (const Device* device : devices_) {
+    const DeviceStatus status = device->status();
+    if (newest.name.empty() || status.connected) newest = status;
+  }
+  return newest;
+}
+
+}  // namespace baton::app

@@ -1,0 +1,59 @@
+/// One run: robot, world, navigator, planner and a device, tick by tick.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "baton/input/device.hpp"
+#include "baton/navigate/navigator.hpp"
+#include "baton/record/tick_record.hpp"
+#include "baton/robot/simulated_robot.hpp"
+
+namespace baton::app {
+
+/// Thread CPU time [µs].
+[[nodiscard]] double cpu_us();
+
+class Session {
+ public:
+  enum class On { sim, ideal };
+
+  /// @param start posture that the robot begins in; none: it stands at the world's site `start`
+  /// @throws InputError robot and world do not go together
+  Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start = std::nullopt,
+          SimulatedRobot::Parameters parameters = {});
+
+  /// Called with every tick, and with every answer of the planner.
+  std::function<void(const TickRecord&)> on_tick;
+  std::function<void(const PlanRecord&)> on_plan;
+
+  /// Lives through one tick with this command.
+  void step(const Command& command);
+
+  [[nodiscard]] double t() const { return t_; }
+  [[nodiscard]] bool fallen() const { return body_->truth().fallen; }
+  [[nodiscard]] bool resting() const { return navigator_.motion() == nullptr; }
+  [[nodiscard]] const RobotModel& robot() const { return *robot_; }
+  [[nodiscard]] const World& world() const { return *world_; }
+  [[nodiscard]] const Navigator& navigator() const { return navigator_; }
+  [[nodiscard]] const Truth& truth() const { return body_->truth(); }
+  /// Robot and world in one model, as MJCF text: what is stepped in simulation.
+  [[nodiscard]] const std::string& model_text() const { return model_text_; }
+  /// The simulated robot; null on `ideal`.
+  [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
+
+ private:
+  const RobotModel* robot_;
+  const World* world_;
+  Posture start_;
+  std::string model_text_;
+  SimulatedRobot* simulated_ = nullptr;
+  std::unique_ptr<TransparentRobot> body_;
+  Navigator navigator_;
+  Planning planning_;
+  double t_ = 0.0;
+  long ticks_ = 0;
+};
+
+}  // namespace baton::app

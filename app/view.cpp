@@ -1,0 +1,83 @@
+#include "app/view.hpp"
+
+#include <array>
+
+#include "baton/model/contact.hpp"
+#include "baton/record/trace.hpp"
+
+namespace baton::app {
+namespace {
+
+ModelPtr compile(const std::string& text) {
+  std::array<char, 1000> message{};
+  const SpecPtr spec(mj_parseXMLString(text.c_str(), nullptr, message.data(), message.size()));
+  if (!spec) throw std::runtime_error(message.data());
+  return compile_model(*spec, "scene");
+}
+
+Pose in_world(const Pose& anchor, const Pose& pose) { return anchor * pose; }
+
+}  // namespace
+
+View::View(const Session& session, int port)
+    : scene_(compile(session.model_text())),
+      data_(mj_makeData(scene_.get())),
+      cockpit_([&] {
+        Cockpit::Parameters parameters;
+        parameters.port = port;
+        parameters.page = share_dir() / "web" / "dist";
+        return parameters;
+      }(), session.robot(), session.world().name(), *scene_) {}
+
+void View::show(const Session& session, const DeviceStatus& device) {
+  const Navigator& nav = session.navigator();
+  if (nav.segment() != segment_) {
+    segment_ = nav.segment();
+    segment_start_ = session.t();
+  }
+  if (nav.refusal() && !refused_) {
+    ++refusals_;
+    refusal_ = nav.refusal();
+  }
+  refused_ = nav.refusal().has_value();
+  if (session.t() - shown_ < 1.0 / 30.0 && !session.fallen()) return;
+  shown_ = session.t();
+
+  const Truth& truth = session.truth();
+  mju_copy(data_->qpos, truth.q.data(), scene_->nq);
+  mj_kinematics(scene_.get(), data_.get());
+  mj_comPos(scene_.get(), data_.get());
+  const Pose& anchor = nav.anchor();
+  const MotionSample& plan = nav.sample();
+  Frame frame;
+  frame.t = session.t();
+  frame.bodies = body_poses(*scene_, *data_);
+  frame.command = nav.command();
+  frame.device = device;
+  if (nav.motion() != nullptr) {
+    Goal goal = nav.motion()->goal;
+    goal.com = anchor * goal.com;
+    goal.trunk = anchor.R * goal.trunk;
+    for (const Side side : kSides) {
+      goal.sole[side] = in_world(anchor, goal.sole[side]);
+      if (goal.hand[side]) goal.hand[side] = in_world(anchor, *goal.hand[side]);
+    }
+    frame.goal = std::move(goal);
+    frame.segment_time = session.t() - segment_start_;
+    frame.segment_duration = nav.motion()->duration();
+  }
+  frame.contact = plan.contact;
+  const BySide<Pose> sole{in_world(anchor, plan.sole.left), in_world(anchor, plan.sole.right)};
+  frame.support_height = plan.zmp_height + anchor.p.z();
+  frame.support = support_polygon(session.robot(), sole, plan.contact, anchor * plan.com, frame.support_height);
+  frame.com = Eigen::Map<const Vec3>(data_->subtree_com);
+  frame.zmp = measured_zmp(truth, frame.support_height);
+  frame.dcm = (anchor * nav.state().dcm(session.robot().omega())).head<2>();
+  frame.refusal = refusal_;
+  frame.refusals = refusals_;
+  frame.fallen = session.fallen();
+  if (frame.fallen) frame.message = "The robot fell: " + truth.fall + ".";
+  cockpit_.publish(std::move(frame));
+}
+
+}  // namespace baton::app

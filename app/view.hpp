@@ -1,0 +1,34 @@
+/// What the page shows of a session.
+#pragma once
+
+#include <string>
+
+#include "app/session.hpp"
+#include "baton/cockpit/cockpit.hpp"
+
+namespace baton::app {
+
+class View {
+ public:
+  /// @throws InputError the port is in use
+  View(const Session& session, int port);
+
+  [[nodiscard]] std::string url() const { return cockpit_.url(); }
+  [[nodiscard]] Device& device() { return cockpit_.device(); }
+
+  /// Shows the present moment, at most 30 times a second of the run.
+  void show(const Session& session, const DeviceStatus& device);
+
+ private:
+  ModelPtr scene_;
+  DataPtr data_;
+  Cockpit cockpit_;
+  double shown_ = -1.0;
+  double segment_start_ = 0.0;
+  long segment_ = -1;
+  int refusals_ = 0;
+  std::optional<Refusal> refusal_;
+  bool refused_ = false;
+};
+
+}  // namespace baton::app

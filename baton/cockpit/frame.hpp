@@ -1,0 +1,45 @@
+/// What the page shows of one moment of a run.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "baton/guide/command.hpp"
+#include "baton/input/device.hpp"
+#include "baton/math/polygon.hpp"
+#include "baton/model/mujoco.hpp"
+#include "baton/motion/goal.hpp"
+#include "baton/motion/refusal.hpp"
+
+namespace baton {
+
+/// Places are in the frame of the scene, unless said otherwise.
+struct Frame {
+  double t = 0.0;            ///< since the start of the run [s]
+  std::vector<Pose> bodies;  ///< of every body of the scene, in its order, the world included
+
+  Command command;      ///< the one that is obeyed
+  DeviceStatus device;  ///< of the device that it comes from
+
+  std::optional<Goal> goal;       ///< of the committed motion; nothing at rest
+  double segment_time = 0.0;      ///< since the start of that motion [s]
+  double segment_duration = 0.0;  ///< of the whole motion [s]
+
+  BySide<bool> contact{true, true};  ///< which soles stand
+  ConvexPolygon support;             ///< support polygon
+  double support_height = 0.0;       ///< of its plane [m]
+  Vec3 com = Vec3::Zero();           ///< [m]
+  Vec2 zmp = Vec2::Zero();           ///< on the support polygon's plane [m]
+  Vec2 dcm = Vec2::Zero();           ///< seen from above [m]
+
+  std::optional<Refusal> refusal;  ///< the newest
+  int refusals = 0;                ///< their number since the start: tells a new one from an old one
+  std::string message;             ///< one sentence for the operator; may be empty
+  bool fallen = false;
+};
+
+/// Poses of all bodies, for `Frame::bodies`.
+[[nodiscard]] std::vector<Pose> body_poses(const mjModel& scene, const mjData& data);
+
+}  // namespace baton

@@ -1,0 +1,160 @@
+#include "baton/cockpit/protocol.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace baton {
+namespace {
+
+using nlohmann::json;
+
+/// Five decimals are enough to draw, and keep the message short. What is not a number becomes null.
+json number(double value) {
+  return std::isfinite(value) ? json(std::round(value * 1e5) / 1e5) : json(nullptr);
+}
+
+template <typename Vector>
+json numbers(const Vector& values) {
+  json list = json::array();
+  for (const double value : values)
+    list.push_back(number(value));
+  return list;
+}
+
+json by_side(const BySide<bool>& value) {
+  return {value.left, value.right};
+}
+
+json pose(const Pose& pose) {
+  json list = numbers(pose.p);
+  const Eigen::Quaterniond q(pose.R);
+  for (const double value : {q.w(), q.x(), q.y(), q.z()})
+    list.push_back(number(value));
+  return list;
+}
+
+json goal(const Goal& goal, const RobotModel& robot) {
+  json soles = json::array();
+  json hands = json::array();
+  for (const Side side : kSides) {
+    json corners = json::array();
+    for (const Vec2& corner : robot.sole(side).vertices()) {
+      corners.push_back(numbers(goal.sole[side] * Vec3(corner.x(), corner.y(), 0.0)));
+    }
+    soles.push_back(std::move(corners));
+    hands.push_back(goal.hand[side] ? pose(*goal.hand[side]) : json(nullptr));
+  }
+  return {{"kind", to_string(goal.kind)},
+          {"guided", to_string(goal.guided)},
+          {"swing", goal.swing ? json(*goal.swing == Side::left ? "left" : "right") : json(nullptr)},
+          {"soles", soles},
+          {"hands", hands},
+          {"com", numbers(goal.com)}};
+}
+
+json refusal(const Refusal& refusal) {
+  return {{"reason", to_string(refusal.reason)},
+          {"part", to_string(refusal.part)},
+          {"value", number(refusal.value)},
+          {"limit", number(refusal.limit)},
+          {"where", refusal.where}};
+}
+
+std::optional<Part> part_named(std::string_view name) {
+  const auto* found =
+      std::find_if(kParts.begin(), kParts.end(), [name](Part part) { return to_string(part) == name; });
+  return found == kParts.end() ? std::nullopt : std::optional<Part>(*found);
+}
+
+/// Reads a list of `count` numbers; null is not a number. False if it is anything else.
+template <typename Out>
+bool read_numbers(const json& message, const char* key, std::size_t count, Out&& out) {
+  const auto found = message.find(key);
+  if (found == message.end() || !found->is_array() || found->size() != count) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const json& value = (*found)[i];
+    if (!value.is_number() && !value.is_null()) return false;
+    out(i) = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  }
+  return true;
+}
+
+PageMessage parse_command(const json& message) {
+  Steer steer;
+  const auto guide = message.find("guide");
+  const auto deadman = message.find("deadman");
+  if (guide == message.end() || !guide->is_string()) return Malformed{"command: guide is not a text"};
+  const std::optional<Part> part = part_named(guide->get_ref<const std::string&>());
+  if (!part) return Malformed{"command: guide is not the name of a part"};
+  steer.command.guide = *part;
+  const auto axis = [&](std::size_t i) -> double& {
+    return steer.command.axes[static_cast<Eigen::Index>(i)];
+  };
+  const auto lift = [&](std::size_t i) -> double& { return steer.command.lift[kSides.at(i)]; };
+  if (!read_numbers(message, "axes", 6, axis)) return Malformed{"command: axes are not 6 numbers"};
+  if (!read_numbers(message, "lift", 2, lift)) return Malformed{"command: lift is not 2 numbers"};
+  if (deadman == message.end() || !deadman->is_boolean())
+    return Malformed{"command: deadman is not true or false"};
+  steer.deadman = deadman->get<bool>();
+  return steer;
+}
+
+}  // namespace
+
+PageMessage parse_page_message(std::string_view text) {
+  if (text.size() > kLargestMessage) return Malformed{"the message is too long"};
+  const json message = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!message.is_object()) return Malformed{"not a JSON object"};
+  const auto type = message.find("type");
+  if (type == message.end() || !type->is_string()) return Malformed{"the message has no type"};
+  const std::string& name = type->get_ref<const std::string&>();
+  if (name == "drive") return TakeSeat{};
+  if (name == "release") return LeaveSeat{};
+  if (name == "command") return parse_command(message);
+  return Malformed{"unknown type of message"};
+}
+
+std::string state_message(const Frame& frame, const RobotModel& robot, Role role, bool taken) {
+  json bodies = json::array();
+  for (const Pose& body : frame.bodies)
+    bodies.push_back(pose(body));
+  json support = json::array();
+  for (const Vec2& vertex : frame.support.vertices())
+    support.push_back(numbers(vertex));
+  const json message{
+      {"type", "state"},
+      {"role", role == Role::driver ? "driver" : "watcher"},
+      {"taken", taken},
+      {"t", number(frame.t)},
+      {"bodies", bodies},
+      {"guide", to_string(frame.command.guide)},
+      {"axes", numbers(frame.command.axes)},
+      {"lift", {number(frame.command.lift.left), number(frame.command.lift.right)}},
+      {"device",
+       {{"name", frame.device.name},
+        {"connected", frame.device.connected},
+        {"armed", frame.device.armed},
+        {"hint", frame.device.hint}}},
+      {"goal", frame.goal ? goal(*frame.goal, robot) : json(nullptr)},
+      {"segment", {{"time", number(frame.segment_time)}, {"duration", number(frame.segment_duration)}}},
+      {"contact", by_side(frame.contact)},
+      {"support", support},
+      {"support_height", number(frame.support_height)},
+      {"com", numbers(frame.com)},
+      {"zmp", numbers(frame.zmp)},
+      {"dcm", numbers(frame.dcm)},
+      {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
+      {"refusals", frame.refusals},
+      {"message", frame.message},
+      {"fallen", frame.fallen}};
+  return message.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string error_message(std::string_view text) {
+  return json{{"type", "error"}, {"text", text}}.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace baton

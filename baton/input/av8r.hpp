@@ -1,0 +1,38 @@
+/// The paper's joystick, the Saitek Aviator AV8R: from its controls to a command (docs/input.md has the
+/// table).
+#pragma once
+
+#include <array>
+
+#include "baton/guide/command.hpp"
+#include "baton/input/response.hpp"
+
+namespace baton {
+
+/// Its controls as SDL numbers them.
+struct Av8rState {
+  static constexpr int kAxes = 5;
+  static constexpr int kButtons = 14;
+
+  std::array<double, kAxes> axes{};      ///< −1…1: stick right, stick aft, lever 1, twist right, lever 2
+  std::array<bool, kButtons> buttons{};  ///< trigger, launcher, main, sub, T1…T8, mode A, mode B
+  int hat_right = 0;                     ///< mini stick: −1, 0 or 1
+  int hat_up = 0;                        ///< mini stick: −1, 0 or 1
+
+  [[nodiscard]] bool operator==(const Av8rState&) const = default;
+};
+
+struct Av8rMapping {
+  Response stick{};                ///< of the main stick and its twist
+  Response lever{{.curve = 0.0}};  ///< of the levers, dead at the pulled end
+  double lever_forward = -1.0;     ///< what a lever reads fully forward, −1 or +1
+};
+
+/// Side of the guided foot or hand: launcher left, main right; `previous` while neither or both are held.
+[[nodiscard]] Side av8r_side(const Av8rState& state, Side previous);
+
+/// The command of any state: axes in −1…1, lifts in 0…1; the toggle chooses foot (A), trunk (middle) or hand
+/// (B) of `side`.
+[[nodiscard]] Command av8r_command(const Av8rState& state, Side side, const Av8rMapping& mapping = {});
+
+}  // namespace baton

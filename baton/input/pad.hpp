@@ -1,0 +1,37 @@
+/// Xbox-like pads: from the controls, as SDL's game-controller mapping names them, to a command
+/// (docs/input.md).
+#pragma once
+
+#include "baton/guide/command.hpp"
+#include "baton/input/response.hpp"
+
+namespace baton {
+
+struct PadState {
+  double left_right = 0.0;  ///< left stick, −1…1, right positive
+  double left_down = 0.0;   ///< left stick, down positive
+  double right_right = 0.0;
+  double right_down = 0.0;
+  double left_trigger = 0.0;  ///< 0…1
+  double right_trigger = 0.0;
+  bool left_shoulder = false;  ///< the dead-man button
+  bool right_shoulder = false;
+  bool a = false, b = false, x = false, y = false;
+  bool up = false, down = false, left = false, right = false;  ///< d-pad
+
+  [[nodiscard]] bool operator==(const PadState&) const = default;
+};
+
+struct PadMapping {
+  Response stick{};
+  Response trigger{{.curve = 0.0}};
+};
+
+/// The guided part: A trunk, X left foot, B right foot, Y left hand, right shoulder right hand; `previous`
+/// while none or several of them are pressed.
+[[nodiscard]] Part pad_guide(const PadState& state, Part previous);
+
+/// The command of any state: axes in −1…1, lifts in 0…1. The dead-man button is not looked at.
+[[nodiscard]] Command pad_command(const PadState& state, Part guide, const PadMapping& mapping = {});
+
+}  // namespace baton

@@ -1,0 +1,193 @@
+#include "baton/input/script.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kSameTime = 1e-9;  // [s] ticks are counted in floating point
+
+/// Cut to a size that fits a message, between two characters of UTF-8.
+std::string shortened(std::string text) {
+  constexpr std::size_t kLongest = 80;
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
+    --end;
+  return text.substr(0, end) + "…";
+}
+
+/// The value as in the file.
+std::string shown(const Json& value) {
+  return shortened(value.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
+
+/// What JSON has against a text, without the class of the error and the line number, which is always 1.
+std::string reason(const Json::exception& error) {
+  const std::string_view what = error.what();
+  const std::size_t column = what.find("column ");
+  return shortened(std::string(what.substr(column != std::string_view::npos ? column : what.find("] ") + 2)));
+}
+
+/// Reads one line; every complaint names file, line, key, value and what is wanted.
+class Line {
+ public:
+  Line(std::string_view text, std::string place) : place_(std::move(place)) {
+    constexpr int kDeepest = 4;
+    std::set<std::string> keys;
+    const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
+      if (depth > kDeepest) throw InputError(fmt::format("{}: brackets nested too deeply", place_));
+      if (depth == 1 && event == Json::parse_event_t::key && !keys.insert(value.get<std::string>()).second) {
+        throw InputError(fmt::format("{}: {} appears twice", place_, shown(value)));
+      }
+      return true;
+    };
+    try {
+      json_ = Json::parse(text.begin(), text.end(), check);
+    } catch (const Json::exception& error) {
+      throw InputError(fmt::format("{}: not JSON: {}", place_, reason(error)));
+    }
+    if (!json_.is_object()) {
+      throw InputError(
+          fmt::format("{}: {}: must be an object like {{\"t\": 0.5, \"axes\": [1, 0, 0, 0, 0, 0]}}", place_,
+                      shown(json_)));
+    }
+    for (const auto& [key, value] : json_.items()) {
+      if (key != "t" && key != "guide" && key != "axes" && key != "lift") {
+        throw InputError(
+            fmt::format("{}: unknown key {}: must be t, guide, axes or lift", place_, shown(Json(key))));
+      }
+    }
+  }
+
+  [[nodiscard]] double time(double earliest) const {
+    if (!json_.contains("t"))
+      throw InputError(fmt::format("{}: t is missing: must be a time in seconds", place_));
+    const Json& value = json_["t"];
+    if (!value.is_number() || value.get<double>() < 0.0) complain("t", "a time in seconds, 0 or more");
+    const auto t = value.get<double>();
+    if (t < earliest) complain("t", fmt::format("at least {}, the time of the line before", earliest));
+    return t;
+  }
+
+  [[nodiscard]] Part guide(Part before) const {
+    if (!json_.contains("guide")) return before;
+    for (const Part part : kParts) {
+      if (json_["guide"] == to_string(part)) return part;
+    }
+    complain("guide", "left_foot, right_foot, left_hand, right_hand or trunk");
+  }
+
+  [[nodiscard]] Vec6 axes() const {
+    if (!json_.contains("axes")) return Vec6::Zero();
+    const auto values = numbers<6>("axes", "6 numbers or nulls: [x, y, z, roll, pitch, yaw]");
+    return Eigen::Map<const Vec6>(values.data());
+  }
+
+  [[nodiscard]] BySide<double> lift(const BySide<double>& before) const {
+    if (!json_.contains("lift")) return before;
+    const auto [left, right] = numbers<2>("lift", "2 numbers or nulls: [left, right]");
+    return {left, right};
+  }
+
+ private:
+  template <std::size_t N>
+  [[nodiscard]] std::array<double, N> numbers(const char* key, const char* wanted) const {
+    const Json& list = json_[key];
+    if (!list.is_array() || list.size() != N) complain(key, wanted);
+    std::array<double, N> values{};
+    for (std::size_t i = 0; i < N; ++i) {
+      if (!list[i].is_number() && !list[i].is_null()) complain(key, wanted);
+      values[i] = list[i].is_null() ? std::numeric_limits<double>::quiet_NaN() : list[i].get<double>();
+    }
+    return values;
+  }
+
+  [[noreturn]] void complain(const char* key, std::string_view wanted) const {
+    throw InputError(fmt::format("{}: {} = {}: must be {}", place_, key, shown(json_[key]), wanted));
+  }
+
+  std::string place_;
+  Json json_;
+};
+
+bool blank(std::string_view line) {
+  return line.find_first_not_of(" \t\r") == std::string_view::npos;
+}
+
+}  // namespace
+
+Script Script::load(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    throw InputError(fmt::format("script {}: no such file", file.string()));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file, ignored)) {
+    throw InputError(fmt::format("script {}: not a file that can be read", file.string()));
+  }
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return parse(text, file.string());
+}
+
+Script Script::parse(std::string_view text, std::string name) {
+  std::vector<Entry> entries;
+  Entry before;
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    const std::string_view content = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    if (blank(content)) continue;
+    const Line line(content, fmt::format("script {}: line {}", name, number));
+    Entry entry{line.time(before.t), {line.guide(before.command.guide), line.axes(), {}}};
+    entry.command.lift = line.lift(before.command.lift);
+    before = entry;
+    entries.push_back(entry);
+  }
+  if (entries.empty()) {
+    throw InputError(fmt::format("script {}: empty: must hold a line like {{\"t\": 0}}", name));
+  }
+  return Script(std::move(entries), std::move(name));
+}
+
+Script::Script(std::vector<Entry> entries, std::string name)
+    : entries_(std::move(entries)), name_(std::move(name)) {
+  double earliest = 0.0;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    auto& [t, command] = entries_[i];
+    if (!(t >= earliest && std::isfinite(t))) {
+      throw InputError(
+          fmt::format("script {}: entry {}: t = {}: must be finite and at least {}", name_, i, t, earliest));
+    }
+    earliest = t;
+    for (double& axis : command.axes)
+      axis = std::clamp(axis, -1.0, 1.0);
+    for (const Side side : kSides)
+      command.lift[side] = std::clamp(command.lift[side], 0.0, 1.0);
+  }
+}
+
+Command Script::read(double t) {
+  const auto next = std::partition_point(entries_.begin(), entries_.end(),
+                                         [t](const Entry& entry) { return entry.t <= t + kSameTime; });
+  return next == entries_.begin() ? Command{} : std::prev(next)->command;
+}
+
+DeviceStatus Script::status() const {
+  return {.name = name_, .connected = true, .armed = true, .hint = ""};
+}
+
+}  // namespace baton

@@ -1,0 +1,60 @@
+#include "baton/record/plan_json.hpp"
+
+namespace baton {
+namespace {
+
+nlohmann::json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::json pose_json(const Pose& pose) {
+  return {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
+}
+
+}  // namespace
+
+nlohmann::json to_json(const Refusal& refusal) {
+  return {{"reason", to_string(refusal.reason)},
+          {"part", to_string(refusal.part)},
+          {"value", refusal.value},
+          {"limit", refusal.limit},
+          {"where", refusal.where}};
+}
+
+nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
+  nlohmann::json phases = nlohmann::json::array();
+  for (const ContactPhase& phase : motion.phases) {
+    phases.push_back({{"duration", phase.ticks * motion.period},
+                      {"contact", {{"left", phase.contact.left}, {"right", phase.contact.right}}}});
+  }
+  nlohmann::json knots = nlohmann::json::array();
+  for (std::size_t k = 0; k < motion.com.knots().size(); ++k) {
+    knots.push_back({{"t", motion.com.times()[k]}, {"v", vector_json(anchor * motion.com.knots()[k])}});
+  }
+  nlohmann::json margins = nlohmann::json::array();
+  for (const Margin& margin : motion.certificate.margins) {
+    margins.push_back({{"quantity", to_string(margin.quantity)},
+                       {"value", margin.value},
+                       {"limit", margin.limit},
+                       {"t", margin.t},
+                       {"where", margin.where}});
+  }
+  const Posture& end = motion.end;
+  nlohmann::json goal = {{"com", vector_json(anchor * end.com)}, {"trunk", {{"rpy", vector_json(rpy_of(anchor.R * end.trunk))}}}};
+  for (const Side side : kSides) {
+    goal[std::string(to_string(foot(side)))] = pose_json(anchor * end.sole[side]);
+    goal[std::string(to_string(foot(side)))]["contact"] = end.contact[side];
+    goal[std::string(to_string(hand(side)))] = pose_json(anchor * end.hand[side]);
+  }
+  nlohmann::json json = {{"kind", to_string(motion.goal.kind)},
+                         {"guided", to_string(motion.goal.guided)},
+                         {"swing", nullptr},
+                         {"T", motion.duration()},
+                         {"durations_tried", motion.durations_tried},
+                         {"phases", phases},
+                         {"knots", knots},
+                         {"margins", margins},
+                         {"goal", goal}};
+  if (motion.goal.swing) json["swing"] = to_string(foot(*motion.goal.swing));
+  return json;
+}
+
+}  // namespace baton

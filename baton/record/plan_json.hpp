@@ -1,0 +1,15 @@
+/// Motions and refusals as JSON, for `baton plan` (docs/plan.md).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "baton/motion/motion.hpp"
+
+namespace baton {
+
+/// Lengths in m, angles in rad, times in s; poses in the world by `anchor`.
+[[nodiscard]] nlohmann::json to_json(const Motion& motion, const Pose& anchor);
+
+[[nodiscard]] nlohmann::json to_json(const Refusal& refusal);
+
+}  // namespace baton

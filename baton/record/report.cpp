@@ -1,0 +1,153 @@
+#include "baton/record/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "baton/record/trace.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kMovedShare = 0.25;
+constexpr double kMoved = 0.005;  ///< [m]
+
+nlohmann::json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+}  // namespace
+
+nlohmann::json Durations::summary() const {
+  std::vector<double> sorted = us_;
+  std::sort(sorted.begin(), sorted.end());
+  const auto quantile = [&](double share) {
+    if (sorted.empty()) return 0.0;
+    return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+  };
+  return {{"p50", quantile(0.5)}, {"p99", quantile(0.99)}, {"max", sorted.empty() ? 0.0 : sorted.back()}, {"n", sorted.size()}};
+}
+
+bool Report::Interval::moved() const {
+  const double wanted = asked.norm();
+  const double wanted_rotation = asked_rotation.norm();
+  return (wanted > 0.0 && (made >= kMovedShare * wanted || made >= kMoved)) ||
+         (wanted_rotation > 0.0 && made_rotation >= kMovedShare * wanted_rotation);
+}
+
+Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot) {}
+
+Pose Report::guided_pose(Part part) {
+  if (is_foot(part)) return kinematics_.sole(side_of(part));
+  if (is_hand(part)) return kinematics_.hand(side_of(part));
+  return {kinematics_.com(), kinematics_.trunk().R};
+}
+
+void Report::close_segment() {
+  const Pose now = guided_pose(segment_part_);
+  travel_ += (kinematics_.com() - com_start_).head<2>().norm();
+  if (owner_ < 0) return;
+  Interval& interval = commands_[static_cast<std::size_t>(owner_)];
+  const double wanted = interval.asked.norm();
+  const double turned = interval.asked_rotation.norm();
+  if (wanted > 0.0) interval.made += interval.asked.dot(now.p - segment_start_.p) / wanted;
+  if (turned > 0.0) interval.made_rotation += interval.asked_rotation.dot(rotation_error(now.R, segment_start_.R)) / turned;
+}
+
+void Report::add(const TickRecord& record) {
+  const Navigator& nav = record.navigator;
+  const Profile::Reach& reach = robot_->profile().reach;
+  duration_ = record.t + robot_->profile().tick.period;
+  tick_.add(record.tick_us);
+  kinematics_.set(record.truth.q);
+
+  const Command& command = nav.command();
+  if (!(command == last_command_)) {
+    last_refused_.clear();
+    if (!command.neutral()) {
+      const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(yaw_of(nav.sample().sole.left.R), yaw_of(nav.sample().sole.right.R)));
+      Interval interval;
+      interval.command = command;
+      const double size = is_foot(command.guide) ? reach.foot : (is_hand(command.guide) ? reach.hand : reach.trunk);
+      Vec3 move = command.axes.head<3>() * size;
+      Vec3 turn = command.axes.tail<3>() * reach.rotation;
+      if (is_foot(command.guide)) {
+        move.z() = command.lift[side_of(command.guide)] * robot_->profile().swing.lift;
+        turn.head<2>().setZero();
+      }
+      if (is_hand(command.guide) && !robot_->hand_has_attitude(side_of(command.guide))) turn.setZero();
+      interval.asked = heading * move;
+      interval.asked_rotation = heading * turn;
+      commands_.push_back(interval);
+    }
+    last_command_ = command;
+  }
+
+  if (nav.segment() != segment_) {
+    if (segment_ >= 0) close_segment();
+    segment_ = nav.segment();
+    if (nav.motion() != nullptr) {
+      ++committed_;
+      owner_ = planned_by_;
+      segment_part_ = nav.motion()->goal.guided;
+      segment_start_ = guided_pose(segment_part_);
+      com_start_ = kinematics_.com();
+      for (const Margin& margin : nav.motion()->certificate.margins) {
+        if (margin.quantity == Reason::zmp) planned_margin_ = std::min(planned_margin_, margin.value);
+      }
+    }
+  }
+  if (nav.refusal()) {
+    const Refusal& refusal = *nav.refusal();
+    const std::string key = fmt::format("{} {}", to_string(refusal.reason), to_string(refusal.part));
+    if (key != last_refused_) ++refused_[std::string(to_string(refusal.reason))];
+    last_refused_ = key;
+  }
+
+  const Truth& truth = record.truth;
+  fallen_ = fallen_ || truth.fallen;
+  tilt_ = std::max(tilt_, std::acos(std::clamp(kinematics_.trunk().R(2, 2), -1.0, 1.0)));
+  if (truth.touch.left || truth.touch.right) {
+    const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
+    const double height = support_plane(sole, truth.touch);
+    const double margin = support_polygon(*robot_, sole, truth.touch, kinematics_.com(), height).margin(measured_zmp(truth, height));
+    measured_margin_ = std::min(measured_margin_, margin);
+  }
+}
+
+void Report::add(const PlanRecord& record) {
+  if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
+  plan_.add(record.plan_us);
+  planned_by_ = record.problem.command.neutral() ? -1 : static_cast<long>(commands_.size()) - 1;
+}
+
+nlohmann::json Report::json(const std::string& world, const std::string& on, long seed, double wall) {
+  if (segment_ >= 0) close_segment();
+  segment_ = -1;
+  nlohmann::json final = {{"com", vector_json(kinematics_.com())}};
+  for (const Part part : kParts) {
+    const Pose pose = part == Part::trunk ? kinematics_.trunk() : guided_pose(part);
+    final[std::string(to_string(part))] = {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
+  }
+  const auto moved = std::count_if(commands_.begin(), commands_.end(), [](const Interval& c) { return c.moved(); });
+  return {{"robot", robot_->profile().name},
+          {"world", world},
+          {"on", on},
+          {"seed", seed},
+          {"duration_s", duration_},
+          {"falls", fallen_ ? 1 : 0},
+          {"segments", {{"committed", committed_}, {"refused", nlohmann::json(refused_)}}},
+          {"commands", {{"given", commands_.size()}, {"moved", moved}}},
+          {"travel_m", travel_},
+          {"plan_us", plan_.summary()},
+          {"tick_us", tick_.summary()},
+          {"zmp_margin_m", {{"planned_min", finite_or_null(planned_margin_)}, {"measured_min", finite_or_null(measured_margin_)}}},
+          {"tilt_deg_max", tilt_ * 180.0 / M_PI},
+          {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
+          {"final", final}};
+}
+
+}  // namespace baton

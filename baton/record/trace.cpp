@@ -1,0 +1,63 @@
+#include "baton/record/trace.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+
+Vec2 measured_zmp(const Truth& truth, double height) {
+  const Wrench total{truth.sole.left.force + truth.sole.right.force, truth.sole.left.moment + truth.sole.right.moment};
+  return total.zmp(height);
+}
+
+Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
+    : robot_(&robot), kinematics_(robot), out_(file) {
+  if (!out_) throw InputError(fmt::format("trace {}: cannot be written", file.string()));
+  std::string header = "t,guide,segment,phase";
+  for (int i = 0; i < robot.nq(); ++i) header += fmt::format(",qpos_{}", i);
+  for (int i = 0; i < robot.nv(); ++i) header += fmt::format(",qvel_{}", i);
+  for (const Joint& joint : robot.joints()) header += fmt::format(",target_{}", joint.name);
+  header +=
+      ",com_x,com_y,com_z,com_plan_x,com_plan_y,com_plan_z,zmp_x,zmp_y,zmp_plan_x,zmp_plan_y"
+      ",contact_left,contact_right,touch_left,touch_right,force_left,force_right\n";
+  out_ << header;
+}
+
+void Trace::add(const TickRecord& record) {
+  const Navigator& nav = record.navigator;
+  const MotionSample& plan = nav.sample();
+  const Pose& anchor = nav.anchor();
+  kinematics_.set(record.truth.q);
+  const Vec3 com = kinematics_.com();
+  const Vec3 com_plan = anchor * plan.com;
+  const Vec3 zmp_plan = anchor * Vec3(plan.zmp.x(), plan.zmp.y(), plan.zmp_height);
+  const Vec2 zmp = measured_zmp(record.truth, zmp_plan.z());
+
+  fmt::memory_buffer row;
+  const auto to = std::back_inserter(row);
+  fmt::format_to(to, "{:.6f},{},{},{}", record.t, to_string(nav.command().guide), nav.segment(), to_string(nav.phase()));
+  const auto numbers = [&](const auto& values) {
+    for (const double value : values) fmt::format_to(to, ",{:.10g}", value);
+  };
+  numbers(record.truth.q);
+  numbers(record.truth.dq);
+  numbers(record.target.q);
+  numbers(com);
+  numbers(com_plan);
+  numbers(zmp);
+  numbers(zmp_plan.head<2>());
+  fmt::format_to(to, ",{:d},{:d},{:d},{:d}", plan.contact.left, plan.contact.right, record.truth.touch.left,
+                 record.truth.touch.right);
+  fmt::format_to(to, ",{:.10g},{:.10g}\n", record.truth.sole.left.force.z(), record.truth.sole.right.force.z());
+  out_.write(row.data(), static_cast<std::streamsize>(row.size()));
+}
+
+bool Trace::close() {
+  out_.flush();
+  return out_.good();
+}
+
+}  // namespace baton

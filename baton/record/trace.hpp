@@ -1,0 +1,31 @@
+/// A run as a table: one row a tick (docs/trace.md lists the columns).
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+
+#include "baton/record/tick_record.hpp"
+
+namespace baton {
+
+class Trace {
+ public:
+  /// Opens the file and writes the header.
+  /// @throws InputError the file cannot be written
+  Trace(const RobotModel& robot, const std::filesystem::path& file);
+
+  void add(const TickRecord& record);
+
+  /// Flushes; false if anything could not be written.
+  [[nodiscard]] bool close();
+
+ private:
+  const RobotModel* robot_;
+  Kinematics kinematics_;
+  std::ofstream out_;
+};
+
+/// Measured ZMP: where the line of the soles' whole force meets the plane z = height [m]; not finite in the air.
+[[nodiscard]] Vec2 measured_zmp(const Truth& truth, double height);
+
+}  // namespace baton

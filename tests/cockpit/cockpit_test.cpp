@@ -1,0 +1,432 @@
+#include "baton/cockpit/cockpit.hpp"
+
+#include <civetweb.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "baton/model/error.hpp"
+#include "baton/model/world.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::chrono::seconds kPatience{20};
+
+const mjModel& room_with_mighty() {
+  static const ModelPtr model = [] {
+    const std::string text = World::load("room").compose(test::robot("mighty"), 0.001);
+    const SpecPtr spec(mj_parseXMLString(text.c_str(), nullptr, nullptr, 0));
+    return compile_model(*spec, "room with mighty");
+  }();
+  return *model;
+}
+
+struct Response {
+  int status = 0;
+  std::string type;
+  std::string body;
+};
+
+/// Sends a request as it is written, and reads the answer.
+Response request(int port, const std::string& text) {
+  std::array<char, 256> error{};
+  mg_connection* connection = mg_connect_client("127.0.0.1", port, 0, error.data(), error.size());
+  if (connection == nullptr) return {};
+  mg_write(connection, text.data(), text.size());
+  Response response;
+  if (mg_get_response(connection, error.data(), error.size(), 20000) >= 0) {
+    response.status = mg_get_response_info(connection)->status_code;
+    const char* type = mg_get_header(connection, "Content-Type");
+    response.type = type == nullptr ? "" : type;
+    std::array<char, 4096> block{};
+    for (int n = 0; (n = mg_read(connection, block.data(), block.size())) > 0;) {
+      response.body.append(block.data(), static_cast<std::size_t>(n));
+    }
+  }
+  mg_close_connection(connection);
+  return response;
+}
+
+Response get(int port, const std::string& path, const std::string& headers = "Host: localhost\r\n") {
+  return request(port, fmt::format("GET {} HTTP/1.1\r\n{}\r\n", path, headers));
+}
+
+const std::string kUpgrade =
+    "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+
+/// A page as the server sees it.
+class Browser {
+ public:
+  explicit Browser(int port) {
+    std::array<char, 256> error{};
+    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error.data(), error.size(), "/ws",
+                                              nullptr, on_message, nullptr, this);
+    EXPECT_NE(connection_, nullptr) << error.data();
+  }
+  ~Browser() { close(); }
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+
+  void close() {
+    if (connection_ == nullptr) return;
+    say("", MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE);
+    mg_close_connection(connection_);
+    connection_ = nullptr;
+  }
+
+  void say(const std::string& text, int opcode = MG_WEBSOCKET_OPCODE_TEXT) {
+    mg_websocket_client_write(connection_, opcode, text.data(), text.size());
+  }
+
+  /// The next message that fits; null when none comes.
+  json next(const std::function<bool(const json&)>& fits) {
+    std::unique_lock lock(mutex_);
+    json found;
+    came_.wait_for(lock, kPatience, [&] {
+      for (; !messages_.empty() && found.is_null(); messages_.pop_front()) {
+        if (fits(messages_.front())) found = messages_.front();
+      }
+      return !found.is_null();
+    });
+    return found;
+  }
+
+  /// The server's complaint about a message.
+  std::string error_after(const std::string& text, int opcode = MG_WEBSOCKET_OPCODE_TEXT) {
+    say(text, opcode);
+    const json message = next([](const json& m) { return m["type"] == "error"; });
+    return message.is_null() ? "" : message["text"].get<std::string>();
+  }
+
+  /// Returns when the server has taken in all that was said before.
+  void settle() { EXPECT_EQ(error_after(R"({"type":"?"})"), "unknown type of message"); }
+
+  void steer(const Command& command, bool deadman = true) {
+    say(json{{"type", "command"},
+             {"guide", to_string(command.guide)},
+             {"axes", std::vector<double>(command.axes.begin(), command.axes.end())},
+             {"lift", {command.lift.left, command.lift.right}},
+             {"deadman", deadman}}
+            .dump());
+  }
+
+ private:
+  static int on_message(mg_connection* /*connection*/, int bits, char* text, std::size_t size, void* self) {
+    auto& browser = *static_cast<Browser*>(self);
+    if ((bits & 0x0F) != MG_WEBSOCKET_OPCODE_TEXT) return 1;
+    const std::scoped_lock lock(browser.mutex_);
+    browser.messages_.push_back(json::parse(text, text + size));
+    browser.came_.notify_all();
+    return 1;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<json> messages_;
+  mg_connection* connection_ = nullptr;
+};
+
+class CockpitTest : public testing::Test {
+ protected:
+  CockpitTest() {
+    std::filesystem::create_directories(page_ / "assets");
+    std::ofstream(page_ / "index.html") << "<p>page</p>";
+    std::ofstream(page_ / "assets" / "main.js") << "1";
+    std::ofstream(page_ / ".." / "secret.txt") << "secret";
+  }
+  ~CockpitTest() override { std::filesystem::remove_all(folder_); }
+
+  /// Publishes moments until the page is told a state that fits.
+  json state_of(Browser& browser, const std::function<bool(const json&)>& fits) {
+    const auto give_up = std::chrono::steady_clock::now() + kPatience;
+    while (std::chrono::steady_clock::now() < give_up) {
+      frame_.t += 0.005;
+      cockpit_.publish(frame_);
+      const json state = browser.next([](const json& m) { return m["type"] == "state"; });
+      if (state.is_null() || fits(state)) return state;
+    }
+    return nullptr;
+  }
+
+  static Command forward() {
+    Command command;
+    command.axes[0] = 0.5;
+    return command;
+  }
+
+  const RobotModel& robot_ = test::robot("mighty");
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) /
+      fmt::format("baton_{}_{}", testing::UnitTest::GetInstance()->current_test_info()->name(),
+                  fmt::ptr(this));
+  const std::filesystem::path page_ = folder_ / "page";
+  Cockpit cockpit_{Cockpit::Parameters{.port = 0, .page = page_}, robot_, "room", room_with_mighty()};
+  int port_ = cockpit_.port();
+  Frame frame_;
+};
+
+TEST_F(CockpitTest, ServesThePageAndNothingElse) {
+  EXPECT_GT(port_, 0);
+  EXPECT_EQ(cockpit_.url(), fmt::format("http://127.0.0.1:{}/", port_));
+  const Response index = get(port_, "/");
+  EXPECT_EQ(index.status, 200);
+  EXPECT_EQ(index.type, "text/html; charset=utf-8");
+  EXPECT_EQ(index.body, "<p>page</p>");
+  EXPECT_EQ(get(port_, "/assets/main.js").type, "text/javascript; charset=utf-8");
+  EXPECT_EQ(request(port_, "HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 200);
+  for (const char* path : {"/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "//secret.txt",
+                           "/..%2fsecret.txt", "/assets", "/nothing.js", "/ws", "/index.html/"}) {
+    const Response response = get(port_, path);
+    EXPECT_GE(response.status, 400) << path;
+    EXPECT_EQ(response.body.find("secret"), std::string::npos) << path;
+  }
+  EXPECT_EQ(request(port_, "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n").status, 405);
+}
+
+TEST_F(CockpitTest, SaysThatThePageIsNotBuilt) {
+  std::filesystem::remove_all(page_);
+  const Response index = get(port_, "/");
+  EXPECT_EQ(index.status, 503);
+  EXPECT_NE(index.body.find("make page"), std::string::npos);
+}
+
+TEST_F(CockpitTest, RefusesForeignHostsAndOrigins) {
+  const std::string own = fmt::format("127.0.0.1:{}", port_);
+  for (const std::string& host : {own, fmt::format("localhost:{}", port_), std::string("[::1]:1")}) {
+    EXPECT_EQ(get(port_, "/", fmt::format("Host: {0}\r\nOrigin: http://{0}\r\n", host)).status, 200) << host;
+  }
+  const std::array<std::string, 10> foreign{
+      "Host: evil.example\r\n",
+      fmt::format("Host: evil.example:{}\r\n", port_),
+      "Host: 127.0.0.1.evil.example\r\n",
+      "Host: localhost:80x\r\n",
+      "",
+      fmt::format("Host: {}\r\nHost: evil.example\r\n", own),
+      fmt::format("Host: {}\r\nOrigin: http://evil.example\r\n", own),
+      fmt::format("Host: {}\r\nOrigin: null\r\n", own),
+      fmt::format("Host: {}\r\nOrigin: http://127.0.0.1:1\r\n", own),
+      fmt::format("Host: {0}\r\nOrigin: https://{0}\r\n", own),
+  };
+  for (const std::string& headers : foreign) {
+    for (const char* path : {"/", "/model.json", "/ws"}) {
+      EXPECT_EQ(get(port_, path, headers).status, 403) << path << " " << headers;
+      EXPECT_EQ(get(port_, path, headers + kUpgrade).status, 403) << path << " " << headers;
+    }
+  }
+  EXPECT_EQ(get(port_, "/ws", "Host: localhost\r\nOrigin: http://localhost\r\n" + kUpgrade).status, 101);
+}
+
+TEST_F(CockpitTest, DescribesTheScene) {
+  const Response response = get(port_, "/model.json");
+  ASSERT_EQ(response.status, 200);
+  const json scene = json::parse(response.body);
+  const mjModel& m = room_with_mighty();
+  EXPECT_EQ(scene["robot"], "mighty");
+  EXPECT_EQ(scene["world"], "room");
+  ASSERT_EQ(scene["bodies"].size(), static_cast<std::size_t>(m.nbody));
+  for (int b = 1; b < m.nbody; ++b)
+    EXPECT_EQ(scene["bodies"][b]["name"], name_of(m, mjOBJ_BODY, b));
+  ASSERT_EQ(scene["parts"].size(), 5u);
+  EXPECT_EQ(scene["parts"][4]["name"], "trunk");
+  EXPECT_EQ(scene["bodies"][scene["parts"][4]["body"].get<int>()]["name"], robot_.profile().parts.trunk);
+  EXPECT_GT(scene["geoms"].size(), 20u);
+  for (const json& geom : scene["geoms"]) {
+    EXPECT_LE(geom["group"], 2) << geom;  // every body of mighty has visual geoms
+    EXPECT_EQ(geom["quat"].size(), 4u);
+  }
+  const auto is_door = [](const json& site) { return site["name"] == "door_B"; };
+  EXPECT_TRUE(std::any_of(scene["sites"].begin(), scene["sites"].end(), is_door));
+}
+
+TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
+  Browser first(port_);
+  Browser second(port_);
+  frame_.bodies.assign(3, Pose{{1.0, 2.0, 3.0}, rotation_z(M_PI)});
+  frame_.com = {0.1, std::numeric_limits<double>::quiet_NaN(), 0.26};
+  frame_.goal.emplace();
+  frame_.goal->kind = SegmentKind::step;
+  frame_.goal->swing = Side::right;
+  frame_.goal->sole.left.p.x() = 0.5;
+  frame_.refusal = Refusal{Reason::joint_limit, Part::left_hand, 1.5, 1.4, "elb\xffow"};
+  frame_.refusals = 7;
+  frame_.support = robot_.sole(Side::left);
+  for (Browser* page : {&first, &second}) {
+    const json state = state_of(*page, [](const json& s) { return s["t"] > 0.0; });
+    ASSERT_FALSE(state.is_null());
+    EXPECT_EQ(state["bodies"][2], json({1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0}));
+    EXPECT_TRUE(state["com"][1].is_null());
+    EXPECT_EQ(state["goal"]["kind"], "step");
+    EXPECT_EQ(state["goal"]["swing"], "right");
+    EXPECT_NEAR(state["goal"]["soles"][0][0][0].get<double>(),
+                0.5 + robot_.sole(Side::left).vertices()[0].x(), 1e-4);
+    EXPECT_EQ(state["refusal"]["reason"], "joint_limit");
+    EXPECT_EQ(state["refusals"], 7);
+    EXPECT_EQ(state["support"].size(), 4u);
+    EXPECT_EQ(state["role"], "watcher");
+    EXPECT_EQ(state["taken"], false);
+  }
+}
+
+TEST_F(CockpitTest, OnePageDrivesAndTheOthersWatch) {
+  Browser first(port_);
+  Browser second(port_);
+  first.say(R"({"type":"drive"})");
+  first.settle();
+  EXPECT_EQ(second.error_after(R"({"type":"drive"})"), "another page drives; this one watches");
+  EXPECT_EQ(state_of(first, [](const json& s) { return s["taken"] == true; })["role"], "driver");
+  EXPECT_EQ(state_of(second, [](const json& s) { return s["taken"] == true; })["role"], "watcher");
+
+  first.steer({});
+  first.steer(forward());
+  first.settle();
+  second.steer({});
+  second.settle();
+  EXPECT_EQ(cockpit_.device().read(1.0), forward());
+
+  first.close();  // frees the seat
+  EXPECT_FALSE(state_of(second, [](const json& s) { return s["taken"] == false; }).is_null());
+  EXPECT_EQ(cockpit_.device().read(1.0), Command{});
+  second.say(R"({"type":"drive"})");
+  EXPECT_FALSE(state_of(second, [](const json& s) { return s["role"] == "driver"; }).is_null());
+  second.say(R"({"type":"release"})");
+  EXPECT_FALSE(state_of(second, [](const json& s) { return s["taken"] == false; }).is_null());
+}
+
+TEST_F(CockpitTest, CommandsCountOnceTheDriverWasNeutral) {
+  Device& device = cockpit_.device();
+  EXPECT_FALSE(device.status().connected);
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  page.steer(forward());
+  page.settle();
+  EXPECT_EQ(device.read(0.0), Command{});
+  EXPECT_TRUE(device.status().connected);
+  EXPECT_FALSE(device.status().armed);
+  EXPECT_FALSE(device.status().hint.empty());
+
+  page.steer({.guide = Part::left_hand});
+  page.steer(forward());
+  page.settle();
+  EXPECT_EQ(device.read(0.1), forward());
+  EXPECT_TRUE(device.status().armed);
+  EXPECT_EQ(device.status().hint, "");
+
+  page.steer(forward(), /*deadman=*/false);
+  page.settle();
+  EXPECT_EQ(device.read(0.2), Command{});
+}
+
+TEST_F(CockpitTest, ASilentDriverCountsAsCentred) {
+  Device& device = cockpit_.device();
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  Command reach = forward();
+  reach.guide = Part::right_hand;
+  page.steer({});
+  page.steer(reach);
+  page.settle();
+  EXPECT_EQ(device.read(5.0), reach);
+  EXPECT_EQ(device.read(5.25), reach);
+  EXPECT_EQ(device.read(5.26), Command{.guide = Part::right_hand});
+  EXPECT_FALSE(device.status().armed);
+  page.steer(reach);
+  page.settle();
+  EXPECT_EQ(device.read(5.5), reach);  // a short silence does not disarm
+  EXPECT_TRUE(device.read(6.6).neutral());
+  page.steer(reach);
+  page.settle();
+  EXPECT_TRUE(device.read(6.7).neutral());  // a long one does
+  page.steer({});
+  page.steer(reach);
+  page.settle();
+  EXPECT_EQ(device.read(6.8), reach);
+}
+
+TEST_F(CockpitTest, WhatIsNotANumberIsCentred) {
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  page.steer({});
+  page.say(R"({"type":"command","guide":"trunk","axes":[null,1e9,-7,0,0,0],"lift":[null,3],"deadman":true})");
+  page.settle();
+  const Command command = cockpit_.device().read(0.0);
+  EXPECT_EQ(command.axes, (Vec6() << 0, 1, -1, 0, 0, 0).finished());
+  EXPECT_EQ(command.lift.left, 0.0);
+  EXPECT_EQ(command.lift.right, 1.0);
+}
+
+TEST_F(CockpitTest, ComplainsAboutMalformedMessages) {
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  page.steer({});
+  for (const std::string& text : {
+           std::string(""),
+           std::string("{"),
+           std::string("[]"),
+           std::string("7"),
+           std::string("{}"),
+           std::string("\xff\xfe"),
+           std::string(4000, '['),
+           std::string(R"({"type":7})"),
+           std::string(R"({"type":"command"})"),
+           std::string(
+               R"({"type":"command","guide":"tail","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":true})"),
+           std::string(
+               R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0],"lift":[0,0],"deadman":true})"),
+           std::string(
+               R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,"1"],"lift":[0,0],"deadman":true})"),
+           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,0],"lift":0,"deadman":true})"),
+           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":1})"),
+       }) {
+    EXPECT_NE(page.error_after(text), "") << text;
+  }
+  EXPECT_NE(page.error_after("{}", MG_WEBSOCKET_OPCODE_BINARY), "");
+  page.steer(forward());
+  page.settle();
+  EXPECT_EQ(cockpit_.device().read(0.0), forward());  // still there, still driving
+  page.say(std::string(100'000, ' '));                // that much ends the connection, and frees the seat
+  Browser watcher(port_);
+  EXPECT_FALSE(state_of(watcher, [](const json& s) { return s["taken"] == false; }).is_null());
+}
+
+TEST_F(CockpitTest, LimitsTheNumberOfPages) {
+  std::vector<std::unique_ptr<Browser>> pages;
+  for (int i = 0; i < Cockpit::Parameters{}.pages; ++i) {
+    pages.push_back(std::make_unique<Browser>(port_));
+    pages.back()->settle();
+  }
+  EXPECT_EQ(get(port_, "/ws", "Host: localhost\r\n" + kUpgrade).status, 503);
+  EXPECT_EQ(get(port_, "/").status, 200);
+}
+
+TEST_F(CockpitTest, NamesThePortThatItCannotHave) {
+  try {
+    const Cockpit second({.port = port_}, robot_, "room", room_with_mighty());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(),
+              fmt::format("page: port {} is in use by another program: choose another one, or 0 for "
+                          "any that is free",
+                          port_));
+  }
+  EXPECT_THROW(Cockpit({.port = 65536}, robot_, "room", room_with_mighty()), InputError);
+  EXPECT_THROW(Cockpit({.port = -1}, robot_, "room", room_with_mighty()), InputError);
+  EXPECT_THROW(Cockpit({.host = "0.0.0.0", .port = 0}, robot_, "room", room_with_mighty()), InputError);
+  EXPECT_THROW(Cockpit({.host = "", .port = 0}, robot_, "room", room_with_mighty()), InputError);
+}
+
+}  // namespace
+}  // namespace baton

@@ -1,0 +1,85 @@
+/** A gamepad with the browser's "standard" mapping as a stick. Knows nothing of the browser. */
+import type { Part } from './protocol';
+
+/** What is needed of the browser's Gamepad. */
+export interface Pad {
+  index: number;
+  id: string;
+  mapping: string;
+  connected: boolean;
+  axes: readonly number[];
+  buttons: readonly { pressed: boolean; value: number }[];
+}
+
+export interface PadInput {
+  axes: number[];
+  lift: [number, number];
+  deadman: boolean;
+  choose: Part | null; // a part whose button was pressed since the last reading
+}
+
+export const deadZone = 0.08;
+const blend = 0.6; // share of the cubic curve
+
+/** Dead zone, rescaled so that it begins at zero, then a curve that is fine in the middle: x → (1−b)x + bx³. */
+export function shape(value: number): number {
+  if (!Number.isFinite(value)) return 0;
+  const size = Math.min(1, Math.abs(value));
+  if (size <= deadZone) return 0;
+  const x = (size - deadZone) / (1 - deadZone);
+  return Math.sign(value) * ((1 - blend) * x + blend * x ** 3);
+}
+
+enum Button { A, B, X, Y, LB, RB, LT, RT, Back, Start, LS, RS, Up, Down, Left, Right }
+
+export class Gamepad {
+  /** The left bumper has to be held for the pad to count. */
+  needsHold = true;
+  private index = -1;
+  private armed = false;
+  private chooser: Part | null = null;
+
+  /** The axes and triggers of the pad, or null while there is none; a new pad counts once it was centred. */
+  read(pad: Pad | null): PadInput | null {
+    if (pad === null || !pad.connected || pad.mapping !== 'standard') {
+      this.index = -1;
+      return null;
+    }
+    if (pad.index !== this.index) {
+      this.index = pad.index;
+      this.armed = false;
+      this.chooser = null;
+    }
+    const axis = (i: number): number => shape(pad.axes[i] ?? 0);
+    const pressed = (b: Button): boolean => pad.buttons[b]?.pressed ?? false;
+    const trigger = (b: Button): number => Math.abs(shape(pad.buttons[b]?.value ?? 0));
+    const between = (minus: Button, plus: Button): number => Number(pressed(plus)) - Number(pressed(minus));
+
+    const input: PadInput = {
+      axes: [
+        -axis(1), // x: left stick up
+        -axis(0), // y: left stick left
+        -axis(3), // z: right stick up
+        between(Button.Left, Button.Right), // roll
+        between(Button.Down, Button.Up), // pitch
+        -axis(2), // yaw: right stick left
+      ].map((value) => value + 0), // no −0
+      lift: [trigger(Button.LT), trigger(Button.RT)],
+      deadman: !this.needsHold || pressed(Button.LB),
+      choose: this.newChoice(pressed),
+    };
+    if ([...input.axes, ...input.lift].every((value) => value === 0)) this.armed = true;
+    return this.armed ? input : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: false, choose: input.choose };
+  }
+
+  /** X, B: left, right foot; with the right bumper: left, right hand; Y or A: trunk. */
+  private newChoice(pressed: (button: Button) => boolean): Part | null {
+    let chosen: Part | null = null;
+    if (pressed(Button.X)) chosen = pressed(Button.RB) ? 'left_hand' : 'left_foot';
+    else if (pressed(Button.B)) chosen = pressed(Button.RB) ? 'right_hand' : 'right_foot';
+    else if (pressed(Button.Y) || pressed(Button.A)) chosen = 'trunk';
+    const isNew = chosen !== null && this.chooser === null;
+    this.chooser = chosen;
+    return isNew ? chosen : null;
+  }
+}

@@ -1,0 +1,187 @@
+/** The panels around the view. */
+import { colours } from './markers';
+import { inWords, parts, type Model, type Part, type State, type Value } from './protocol';
+import { RefusalLog } from './refusals';
+import type { Stick } from './stick';
+
+const axisNames = ['forward', 'left', 'up', 'roll', 'pitch', 'yaw'];
+const axisKeys = ['W S', 'A D', 'R F', '→ ←', '↑ ↓', 'Q E'];
+const freshFor = 2500; // a refusal stays in the foreground [ms]
+
+function element<T extends HTMLElement = HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+function text(id: string, content: string): void {
+  const target = element(id);
+  if (target.textContent !== content) target.textContent = content;
+}
+
+/** Shows a note, or hides it when there is nothing to say. */
+function note(id: string, content: string): void {
+  text(id, content);
+  element(id).hidden = content === '';
+}
+
+const metres = (values: Value[]): string => values.map((v) => (v === null ? '–' : v.toFixed(3))).join('  ') + ' m';
+
+export interface Actions {
+  takeOrLeave(): void;
+  toggleFollow(): void;
+}
+
+export class Hud {
+  private readonly buttons: Map<Part, HTMLButtonElement>;
+  private readonly bars: HTMLElement[];
+  private readonly sliders: HTMLInputElement[];
+  private readonly refusals = new RefusalLog();
+  private refusedAt = -Infinity;
+
+  constructor(private readonly stick: Stick, actions: Actions) {
+    this.bars = axisNames.map((name, i) => this.addAxis(name, axisKeys[i]!));
+    this.sliders = [...document.querySelectorAll<HTMLInputElement>('[data-lift]')];
+    this.buttons = new Map(
+      parts.map((part) => [part, document.querySelector<HTMLButtonElement>(`[data-part="${part}"]`)!]),
+    );
+    for (const [part, button] of this.buttons) {
+      button.onclick = () => {
+        stick.guide = part;
+        button.blur(); // Space is a key of the stick
+      };
+    }
+    this.sliders.forEach((slider, foot) => {
+      slider.oninput = () => (stick.lift[foot] = Number(slider.value));
+      slider.onchange = () => slider.blur();
+    });
+    const hold = element<HTMLInputElement>('hold');
+    hold.onchange = () => {
+      stick.gamepad.needsHold = hold.checked;
+      hold.blur();
+    };
+    this.onClick('take', actions.takeOrLeave);
+    this.onClick('follow', actions.toggleFollow);
+    this.onClick('help-button', () => this.toggleHelp());
+    const shown = { support: 'support polygon', com: 'COM', zmp: 'ZMP', dcm: 'DCM', goal: 'goal' };
+    for (const [key, name] of Object.entries(shown)) {
+      const item = element('legend').appendChild(document.createElement('li'));
+      item.appendChild(document.createElement('i')).style.background = colours[key as keyof typeof colours];
+      item.append(name);
+    }
+  }
+
+  describe(model: Model): void {
+    text('names', `${inWords(model.robot)} in ${inWords(model.world)}`);
+    document.title = `baton: ${model.robot}`;
+  }
+
+  following(on: boolean): void {
+    element('follow').classList.toggle('on', on);
+  }
+
+  toggleHelp(): void {
+    const help = element<HTMLDialogElement>('help');
+    if (help.open) help.close();
+    else help.showModal();
+  }
+
+  /** A cover over the page while there is nothing to see; '' lifts it. */
+  cover(content: string): void {
+    element('cover').classList.toggle('hidden', content === '');
+    if (content !== '') text('cover-text', content);
+  }
+
+  disconnected(): void {
+    this.role('lost', 'no connection');
+    this.cover('The program does not answer. The page comes back by itself when it runs again.');
+  }
+
+  pad(description: string): void {
+    text('pad', description);
+  }
+
+  show(state: State, now: number): void {
+    const drives = state.role === 'driver';
+    this.role(drives ? 'driver' : 'watcher', drives ? 'you drive' : state.taken ? 'watching' : 'nobody drives');
+    element('take').hidden = !drives && state.taken;
+    text('take', drives ? 'Give it back' : 'Take the stick');
+    document.body.classList.toggle('watching', !drives);
+    // A driver sees at once what the keys say; what the program obeys comes a moment later.
+    this.choose(drives ? this.stick.guide : state.guide);
+    this.bars.forEach((bar, i) => deflect(bar, state.axes[i] ?? 0));
+    const lift = drives ? this.stick.lift : state.lift;
+    this.sliders.forEach((slider, i) => {
+      if (document.activeElement !== slider) slider.value = String(lift[i] ?? 0);
+    });
+
+    const goal = state.goal;
+    text('segment', goal ? `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}` : 'at rest');
+    text('phase', support(state.contact));
+    text('time', `${state.t.toFixed(1)} s`);
+    const done = goal && state.segment.duration ? (state.segment.time ?? 0) / state.segment.duration : 0;
+    element('progress').style.width = `${Math.round(100 * Math.min(1, done))}%`;
+    text('com', metres(state.com));
+    text('zmp', metres(state.zmp));
+
+    note('hint', state.device.armed ? '' : state.device.hint);
+    note('message', state.fallen ? `The robot has fallen. ${state.message}`.trim() : state.message);
+    element('message').classList.toggle('fallen', state.fallen);
+    this.refused(state, now);
+  }
+
+  private refused(state: State, now: number): void {
+    const entries = this.refusals.entries;
+    const line = ({ text: what, count }: (typeof entries)[number]): string => (count > 1 ? `${what} ×${count}` : what);
+    if (this.refusals.add(state.refusal, state.refusals)) {
+      this.refusedAt = now;
+      note('refusal', entries[0]!.text);
+      const older = entries.slice(1).map((entry) => {
+        const item = document.createElement('li');
+        item.textContent = line(entry);
+        return item;
+      });
+      element('history').replaceChildren(...older);
+    }
+    element('refusal').classList.toggle('old', now - this.refusedAt > freshFor);
+  }
+
+  private choose(part: Part): void {
+    for (const [name, button] of this.buttons) {
+      button.classList.toggle('on', name === part);
+      button.setAttribute('aria-pressed', String(name === part));
+    }
+  }
+
+  private role(kind: string, words: string): void {
+    element('role').dataset.role = kind;
+    text('role', words);
+  }
+
+  private onClick(id: string, action: () => void): void {
+    const button = element<HTMLButtonElement>(id);
+    button.onclick = () => {
+      action();
+      button.blur();
+    };
+  }
+
+  private addAxis(name: string, keys: string): HTMLElement {
+    const row = element('axes').appendChild(document.createElement('div'));
+    row.className = 'axis';
+    row.appendChild(document.createElement('span')).textContent = name;
+    const bar = row.appendChild(document.createElement('b')).appendChild(document.createElement('i'));
+    const caps = row.appendChild(document.createElement('span'));
+    for (const key of keys.split(' ')) caps.appendChild(document.createElement('kbd')).textContent = key;
+    return bar;
+  }
+}
+
+function deflect(bar: HTMLElement, value: number): void {
+  bar.style.left = `${50 + 50 * Math.min(0, value)}%`;
+  bar.style.width = `${50 * Math.abs(value)}%`;
+}
+
+function support([left, right]: [boolean, boolean]): string {
+  if (left && right) return 'double support';
+  if (left || right) return `single support: ${left ? 'left' : 'right'} foot`;
+  return 'in the air';
+}

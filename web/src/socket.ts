@@ -1,0 +1,44 @@
+/** The connection to the program; comes back by itself. */
+import type { Command, State } from './protocol';
+
+type Message = State | { type: 'error'; text: string };
+type Outgoing = ({ type: 'command' } & Command) | { type: 'drive' } | { type: 'release' };
+
+const firstPause = 300; // before it is tried again [ms]
+const longestPause = 3000;
+
+export class Link {
+  onState: (state: State) => void = () => {};
+  onError: (text: string) => void = () => {};
+  onOpen: () => void = () => {};
+  onClose: () => void = () => {};
+  private socket: WebSocket | null = null;
+  private pause = firstPause;
+
+  constructor(private readonly url: string) {}
+
+  open(): void {
+    const socket = new WebSocket(this.url);
+    this.socket = socket;
+    socket.onopen = () => {
+      this.pause = firstPause;
+      this.onOpen();
+    };
+    socket.onmessage = (event: MessageEvent<string>) => {
+      const message = JSON.parse(event.data) as Message;
+      if (message.type === 'state') this.onState(message);
+      else if (message.type === 'error') this.onError(message.text);
+    };
+    socket.onclose = () => {
+      this.onClose();
+      setTimeout(() => this.open(), this.pause);
+      this.pause = Math.min(2 * this.pause, longestPause);
+    };
+  }
+
+  send(message: Outgoing): void {
+    // What cannot leave now is not worth leaving later.
+    if (this.socket?.readyState !== WebSocket.OPEN || this.socket.bufferedAmount > 10_000) return;
+    this.socket.send(JSON.stringify(message));
+  }
+}

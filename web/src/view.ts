@@ -1,0 +1,123 @@
+/** The eye: renderer, camera, light. z is up. */
+import * as THREE from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+
+const horizon = '#e8ecf0';
+const slow = 70; // a picture that takes longer is drawn with less detail [ms]
+
+export class View {
+  follow = true;
+  readonly scene = new THREE.Scene();
+  readonly camera: THREE.PerspectiveCamera;
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly key = new THREE.DirectionalLight('#fff3e2', 2.3);
+  private readonly centre = new THREE.Vector3();
+  private detail = Math.min(2, window.devicePixelRatio);
+  private mean = 16; // time between pictures [ms]
+  private last = 0;
+
+  /** `size`: nominal height of the robot's centre of mass [m]. */
+  constructor(canvas: HTMLCanvasElement, private readonly size: number) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
+    this.camera = new THREE.PerspectiveCamera(38, 1, 0.05 * size, 400 * size);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.minDistance = 0.8 * size;
+    this.controls.maxDistance = 40 * size;
+    this.controls.maxPolarAngle = 0.52 * Math.PI;
+    this.scene.background = sky();
+    this.scene.fog = new THREE.Fog(horizon, 14 * size, 60 * size);
+    this.addLights();
+    this.reset(new THREE.Vector3(0, 0, size));
+    addEventListener('resize', () => this.resize());
+    this.resize();
+  }
+
+  /** Looks at the robot from behind its right shoulder. */
+  reset(target: THREE.Vector3): void {
+    this.centre.copy(target);
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).add(new THREE.Vector3(-3.4, -2.7, 1.9).multiplyScalar(this.size));
+    this.controls.update();
+  }
+
+  /** Takes the camera along with what it looks at, and keeps the light over it. */
+  watch(target: THREE.Vector3): void {
+    const step = target.clone().sub(this.centre);
+    if (this.follow) {
+      if (step.length() < 10 * this.size) step.multiplyScalar(0.15); // calmly
+      this.centre.add(step);
+      this.controls.target.add(step);
+      this.camera.position.add(step);
+    }
+    this.key.target.position.copy(target);
+    this.key.position.copy(target).add(new THREE.Vector3(-2.2, -3.0, 6.5).multiplyScalar(this.size));
+  }
+
+  draw(now: number): void {
+    this.adapt(now);
+    this.controls.update();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private resize(): void {
+    const { innerWidth: width, innerHeight: height } = window;
+    this.renderer.setPixelRatio(this.detail);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** On a machine without a graphics card: first fewer pixels, then no shadows. */
+  private adapt(now: number): void {
+    if (this.last > 0) this.mean += 0.1 * (Math.min(now - this.last, 500) - this.mean);
+    this.last = now;
+    if (this.mean < slow) return;
+    this.mean = 16;
+    if (this.detail > 0.6) {
+      this.detail = Math.max(0.6, 0.7 * this.detail);
+      this.resize();
+    } else if (this.key.shadow.mapSize.x > 512) {
+      this.key.shadow.mapSize.setScalar(512);
+      this.key.shadow.map?.dispose();
+      this.key.shadow.map = null;
+    }
+  }
+
+  private addLights(): void {
+    const { key, size } = this;
+    key.castShadow = true;
+    key.shadow.mapSize.setScalar(2048);
+    key.shadow.radius = 4;
+    key.shadow.bias = -0.0004;
+    key.shadow.normalBias = 0.01 * size;
+    Object.assign(key.shadow.camera, { left: -5 * size, right: 5 * size, top: 5 * size, bottom: -5 * size });
+    Object.assign(key.shadow.camera, { near: 0.5 * size, far: 16 * size });
+    const fill = new THREE.DirectionalLight('#dbe8ff', 0.7);
+    fill.position.set(-3, 4, 3);
+    this.scene.add(key, key.target, fill, new THREE.HemisphereLight('#ffffff', '#d9d4cc', 1.5));
+  }
+}
+
+/** Light above, lighter at the horizon. */
+function sky(): THREE.Texture {
+  const canvas = document.createElement('canvas');
+  canvas.width = 4;
+  canvas.height = 256;
+  const pen = canvas.getContext('2d')!;
+  const gradient = pen.createLinearGradient(0, 0, 0, 256);
+  gradient.addColorStop(0, '#c3d0de');
+  gradient.addColorStop(0.55, horizon);
+  gradient.addColorStop(1, horizon);
+  pen.fillStyle = gradient;
+  pen.fillRect(0, 0, 4, 256);
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  return texture;
+}
