@@ -42,6 +42,11 @@ int parse_and_run(std::vector<std::string> args) {
   app.set_version_flag("--version", std::string("baton ") + BATON_VERSION);
   app.require_subcommand(0, 1);
 
+  bool verbose = false;
+  app.add_flag("-v,--verbose", verbose, "Say more on the way");
+  app.fallthrough();
+  app.parse_complete_callback([&verbose] { spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::info); });
+
   // Plain `baton` is `baton drive`.
   const bool names_command = std::any_of(args.begin(), args.end(), [](const std::string& arg) { return !arg.starts_with("-"); }) &&
                              !args.empty() && !args.front().starts_with("-");
@@ -71,6 +76,7 @@ int parse_and_run(std::vector<std::string> args) {
   operate_command->add_option("--robot", operate_options.robot, "Robot")->capture_default_str();
   operate_command->add_option("--on", operate_options.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
   operate_command->add_option("--seed", operate_options.seed, "Of the random start on the stage")->capture_default_str();
+  operate_command->add_flag("--exact-start", operate_options.exact_start, "Begin at the world's start instead");
   operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which it gives up")->capture_default_str()->check(CLI::PositiveNumber);
   operate_command->add_option("--report", operate_options.report, "Write the run in numbers to this .json file");
   operate_command->add_option("--trace", operate_options.trace, "Write every tick to this .csv file");
@@ -85,8 +91,8 @@ int parse_and_run(std::vector<std::string> args) {
   }
   if (drive_command->parsed()) return drive(drive_options);
   if (plan_command->parsed()) return plan(plan_options);
-  //if (reproduce_command->parsed()) return reproduce(reproduce_options);
-  //if (operate_command->parsed()) return operate(operate_options);
+  if (reproduce_command->parsed()) return reproduce(reproduce_options);
+  if (operate_command->parsed()) return operate(operate_options);
   return kDone;
 }
 

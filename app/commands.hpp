@@ -46,6 +46,7 @@ struct OperateOptions {
   std::string robot = "mighty";
   std::string on = "sim";
   long seed = 0;
+  bool exact_start = false;  ///< from the world's start, not from a random one
   double seconds = 240.0;  ///< the operator gives up then
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> trace;
@@ -54,7 +55,7 @@ struct OperateOptions {
 
 int drive(const DriveOptions& options);
 int plan(const PlanOptions& options);
-//int reproduce(const ReproduceOptions& options);
-//int operate(const OperateOptions& options);
+int reproduce(const ReproduceOptions& options);
+int operate(const OperateOptions& options);
 
 }  // namespace baton::app

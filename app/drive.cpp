@@ -2,17 +2,15 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <fstream>
 #include <thread>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/inputs.hpp"
+#include "app/outputs.hpp"
 #include "app/session.hpp"
 #include "app/view.hpp"
 #include "baton/model/error.hpp"
-#include "baton/record/report.hpp"
-#include "baton/record/trace.hpp"
 
 namespace baton::app {
 namespace {
@@ -30,14 +28,6 @@ void refuse_modes_to_come(const DriveOptions& o) {
   if (o.on_limit != "discard") refuse("--on-limit", o.on_limit, "discard");
 }
 
-/// Opens an output before the run, so that nothing is lost after it.
-std::optional<std::ofstream> open(const std::optional<std::filesystem::path>& file, const std::string& option) {
-  if (!file) return std::nullopt;
-  std::ofstream out(*file);
-  if (!out) throw InputError(fmt::format("{} {}: cannot be written", option, file->string()));
-  return out;
-}
-
 }  // namespace
 
 int drive(const DriveOptions& o) {
@@ -47,16 +37,7 @@ int drive(const DriveOptions& o) {
   const World world = World::load(o.world);
   Inputs inputs(o.input);
   Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal);
-  std::optional<std::ofstream> report_file = open(o.report, "--report");
-  if (auto model_file = open(o.save_model, "--save-model")) *model_file << session.model_text();
-  std::optional<Trace> trace;
-  if (o.trace) trace.emplace(robot, *o.trace);
-  Report report(robot);
-  session.on_tick = [&](const TickRecord& record) {
-    report.add(record);
-    if (trace) trace->add(record);
-  };
-  session.on_plan = [&](const PlanRecord& record) { report.add(record); };
+  Outputs outputs(robot, session, o.report, o.trace, o.save_model);
 
   std::optional<View> view;
   if (!o.headless && !o.fast) {
@@ -86,19 +67,12 @@ int drive(const DriveOptions& o) {
     if (!o.fast) std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(session.t())));
   }
 
-  const nlohmann::json summary = report.json(world.name(), o.on, o.seed, seconds_since(start));
-  bool written = true;
-  if (report_file) {
-    *report_file << summary.dump(2) << '\n';
-    written = report_file->flush().good();
-  }
-  if (trace) written = trace->close() && written;
+  const nlohmann::json summary = outputs.write(world.name(), o.on, o.seed, seconds_since(start));
   const auto& segments = summary["segments"];
   fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
              world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
              summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
              session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
-  if (!written) throw std::runtime_error("the trace or the report could not be written whole: is the disk full?");
   return session.fallen() ? kFallen : kDone;
 }
 

@@ -1,1 +1,19 @@
+#include "app/reproduce.hpp"
+
+#include <fmt/format.h>
+
 #include "app/commands.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+
+int reproduce(const ReproduceOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) throw InputError(fmt::format("--out {}: {}", options.out.string(), error.message()));
+  if (!std::filesystem::is_directory(options.out)) throw InputError(fmt::format("--out {}: not a folder", options.out.string()));
+  if (options.what == "fig8") return reproduce_fig8(options.out);
+  throw InputError(fmt::format("reproduce {}: not there yet; there is fig8", options.what));
+}
+
+}  // namespace baton::app

@@ -63,7 +63,7 @@ REFERENCES = {
 PROFILE = {
     "stance": {"width": LENGTH, "com_height": LENGTH},
     "reach": {"foot": LENGTH, "trunk": LENGTH, "hand": LENGTH, "rotation": NONE},
-    "region": {"foot_x": LENGTH, "foot_lateral": LENGTH, "foot_yaw": NONE, "sole_gap": LENGTH, "com_height": LENGTH,
+    "region": {"foot_x": LENGTH, "stride": LENGTH, "foot_lateral": LENGTH, "foot_yaw": NONE, "sole_gap": LENGTH, "com_height": LENGTH,
                "trunk_inclination": NONE, "trunk_yaw": NONE, "hand_distance": LENGTH},
     "swing": {"clearance": LENGTH, "lift": LENGTH},
     "ground": {"flatness": LENGTH, "tilt_deg": NONE},

@@ -16,7 +16,7 @@ class PageDevice final : public Device {
 
   struct Parameters {
     double silence = 0.25;  ///< a driver that said nothing for longer counts as centred [s, of the run]
-    double disarm = 1.0;    ///< after this long it also has to be neutral once more [s, of the run]
+    double disarm = 2.0;    ///< after this long it also has to be neutral once more [s, of the run]
   };
 
   PageDevice() = default;

@@ -53,7 +53,7 @@ Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
 }
 
 Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw,
-                              double lift) const {
+                              double lift, const Range& forward) const {
   const Profile& profile = robot_->profile();
   const Part part = foot(side);
   const Pose& stance = context.from.sole[other(side)];
@@ -65,8 +65,8 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
   const double lateral = sign_of(side) * relative.y();
   const double turned = wrap_angle(yaw - stance_yaw);
   constexpr double kSlack = 1e-9;
-  if (excess(relative.x(), profile.region.foot_x) > kSlack) {
-    placement.against = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), profile.region.foot_x), "forward"};
+  if (excess(relative.x(), forward) > kSlack) {
+    placement.against = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), forward), "forward"};
   } else if (excess(lateral, profile.region.foot_lateral) > kSlack) {
     placement.against = {Reason::foot_region, part, lateral, nearest_limit(lateral, profile.region.foot_lateral), "sideways"};
   } else if (std::abs(turned) > profile.region.foot_yaw + kSlack) {
@@ -97,7 +97,8 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
   return placement;
 }
 
-Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw) const {
+Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
+                                      const Range& forward) const {
   const Profile::Region& region = robot_->profile().region;
   const Pose& stance = context.from.sole[other(side)];
   const double stance_yaw = yaw_of(stance.R);
@@ -107,8 +108,8 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   // The wish brought into the region first, then a grid over the region, the nearest first.
   std::vector<Vec2> places;
   const double lateral_wish = std::clamp(sign_of(side) * wish.y(), region.foot_lateral.lo, region.foot_lateral.hi);
-  places.emplace_back(std::clamp(wish.x(), region.foot_x.lo, region.foot_x.hi), sign_of(side) * lateral_wish);
-  for (double x = region.foot_x.lo; x <= region.foot_x.hi + 1e-9; x += kSearch) {
+  places.emplace_back(std::clamp(wish.x(), forward.lo, forward.hi), sign_of(side) * lateral_wish);
+  for (double x = forward.lo; x <= forward.hi + 1e-9; x += kSearch) {
     places.emplace_back(x, places.front().y());
     for (double y = region.foot_lateral.lo; y <= region.foot_lateral.hi + 1e-9; y += kSearch) {
       places.emplace_back(x, sign_of(side) * y);
@@ -121,7 +122,7 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   Placement first;
   for (const Vec2& candidate : places) {
     const Vec3 p = stance.p + from_stance * Vec3(candidate.x(), candidate.y(), 0);
-    Placement placement = place(context, side, p.head<2>(), stance_yaw + turned, 0.0);
+    Placement placement = place(context, side, p.head<2>(), stance_yaw + turned, 0.0, forward);
     if (!placement.against) return placement;
     if (!first.against) first = placement;
   }
@@ -142,11 +143,12 @@ GuideResult Guide::lower(const GuideContext& context, Side side) const {
   goal.kind = SegmentKind::lower;
   goal.swing = side;
   goal.contact[side] = true;
+  const Range& region = robot_->profile().region.foot_x;
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
-  Placement placement = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0);
+  Placement placement = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region);
   if (placement.against) {
-    Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0);
+    Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, region);
     if (back.against) return *placement.against;
     placement = std::move(back);
   }
@@ -166,7 +168,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
 
   const Vec3 move = rotation_z(from.heading()) * Vec3(command.axes[0], command.axes[1], 0) * profile.reach.foot;
   const double yaw = yaw_of(from.sole[side].R) + profile.reach.rotation * command.axes[5];
-  const Placement placement = place(context, side, (from.sole[side].p + move).head<2>(), yaw, lift);
+  const Placement placement = place(context, side, (from.sole[side].p + move).head<2>(), yaw, lift, profile.region.foot_x);
   const bool up = !from.contact[side];
   const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
   if (!deflected && lift == 0.0 && !up) return std::monostate{};
@@ -253,6 +255,21 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   // A COM that does not move sideways, and need not turn, is not helped by a step.
   if (stands && !turn && (target - from.com.head<2>()).norm() < kSamePlace) return goals;
 
+  const double stride = profile.region.stride;
+  std::optional<Refusal> against = add_steps(context, goal, turn, {-stride, stride}, goals);
+  if (goals.empty()) against = add_steps(context, goal, turn, profile.region.foot_x, goals);
+  // If no foot can follow, the trunk can still turn, as far as feet may be turned at all.
+  if (stands && turn && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
+  if (!goals.empty()) return goals;
+  return Refusal{Reason::no_progress, against->part, against->value, against->limit,
+                 std::string(to_string(against->reason))};
+}
+
+std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
+                                        std::vector<Goal>& goals) const {
+  const Posture& from = context.from;
+  const double yaw = yaw_of(goal.trunk);
+  const Vec2 target = goal.com.head<2>();
   // The farther foot first; at a tie, the one that did not step last.
   const auto distance = [&](Side side) { return (from.sole[side].p.head<2>() - target).norm(); };
   Side first = other(context.last_step);
@@ -272,7 +289,7 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   };
   std::optional<Refusal> against;
   for (const Side side : {first, other(first)}) {
-    const Placement placement = place(context, side, wish(side), yaw, 0.0);
+    const Placement placement = place(context, side, wish(side), yaw, 0.0, forward);
     if (!placement.against) step(side, placement.sole);
     if (placement.against && !against) against = placement.against;
   }
@@ -280,22 +297,18 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
   std::vector<std::pair<double, std::pair<Side, Pose>>> nearest;
   for (const Side side : {first, other(first)}) {
-    const Placement candidate = nearest_place(context, side, wish(side), yaw);
+    const Placement candidate = nearest_place(context, side, wish(side), yaw, forward);
     if (candidate.against) continue;
     const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
     const double turned = std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) -
                           std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
     const bool nearer = left < (middle - target).norm() - kSamePlace;
-    const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + profile.reach.trunk;
+    const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + robot_->profile().reach.trunk;
     if (left > kSamePlace && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
   }
   if (nearest.size() == 2 && nearest[1].first < nearest[0].first - kSamePlace) std::swap(nearest[0], nearest[1]);
   for (const auto& [left, placed] : nearest) step(placed.first, placed.second);
-  // If no foot can follow, the trunk can still turn, as far as feet may be turned at all.
-  if (stands && turn && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
-  if (!goals.empty()) return goals;
-  return Refusal{Reason::no_progress, against->part, against->value, against->limit,
-                 std::string(to_string(against->reason))};
+  return against;
 }
 
 }  // namespace baton

@@ -48,9 +48,15 @@ class Guide {
   /// A goal in which nothing moves.
   [[nodiscard]] Goal stay(const GuideContext& context, Part guided) const;
   /// The foot at a place on the ground, or in the air `lift` above it.
-  [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift) const;
+  [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
+                                const Range& forward) const;
   /// Of the places in the foot's region, the nearest to `at` that can be stood on.
-  [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw) const;
+  [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
+                                        const Range& forward) const;
+  /// Appends the steps that serve a COM and trunk goal, with soles that far apart; returns what speaks against
+  /// the preferred one.
+  std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
+                                   std::vector<Goal>& goals) const;
   /// COM above the supporting soles' middle, at the height that it has above its supports now.
   [[nodiscard]] Vec3 com_above(const GuideContext& context, const Goal& goal) const;
 

@@ -21,10 +21,9 @@ using Json = nlohmann::json;
 constexpr double kSameTime = 1e-9;  // [s] ticks are counted in floating point
 
 /// Cut to a size that fits a message, between two characters of UTF-8.
-std::string shortened(std::string text) {
-  constexpr std::size_t kLongest = 80;
-  if (text.size() <= kLongest) return text;
-  std::size_t end = kLongest;
+std::string shortened(std::string text, std::size_t longest) {
+  if (text.size() <= longest) return text;
+  std::size_t end = longest;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
     --end;
   return text.substr(0, end) + "…";
@@ -32,14 +31,15 @@ std::string shortened(std::string text) {
 
 /// The value as in the file.
 std::string shown(const Json& value) {
-  return shortened(value.dump(-1, ' ', true, Json::error_handler_t::replace));
+  return shortened(value.dump(-1, ' ', true, Json::error_handler_t::replace), 80);
 }
 
 /// What JSON has against a text, without the class of the error and the line number, which is always 1.
 std::string reason(const Json::exception& error) {
   const std::string_view what = error.what();
   const std::size_t column = what.find("column ");
-  return shortened(std::string(what.substr(column != std::string_view::npos ? column : what.find("] ") + 2)));
+  return shortened(std::string(what.substr(column != std::string_view::npos ? column : what.find("] ") + 2)),
+                   160);
 }
 
 /// Reads one line; every complaint names file, line, key, value and what is wanted.

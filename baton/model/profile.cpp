@@ -143,6 +143,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.reach = {read.positive("reach.foot", 2), read.positive("reach.trunk", 2), read.positive("reach.hand", 2),
              read.positive("reach.rotation", 3)};
   p.region = {read.range("region.foot_x", -2, 2),
+              read.positive("region.stride", 2),
               read.range("region.foot_lateral", 0, 2),
               read.positive("region.foot_yaw", 1.5),
               read.number("region.sole_gap", 0, 1),

@@ -48,6 +48,7 @@ struct Profile {
   /// Where goals may lie.
   struct Region {
     Range foot_x;                    ///< of a foothold in the stance sole's frame [m]
+    double stride = 0.0;             ///< largest |x| that the robot itself chooses while it can do with it [m]
     Range foot_lateral;              ///< the same, away from the stance foot [m]
     double foot_yaw = 0.0;           ///< largest |yaw| between the soles [rad]
     double sole_gap = 0.0;           ///< least gap of the two soles' outlines [m]

@@ -31,6 +31,8 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
     const Vec3 level = from.com + t * (goal.com - from.com);
     knots.push_back({t, Vec3(place.x(), place.y(), level.z()), weight});
   };
+  // Beside the paper's knots at the borders of the phases there is one in the middle of each double support that
+  // shifts the weight: with it the ZMP need not wander farther out the longer the motion takes.
   const std::array<double, 4>& w = profile.weights;
   const Vec3 stance = goal.swing ? from.sole[other(*goal.swing)].p : from.com;
   switch (goal.kind) {
@@ -38,14 +40,17 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       shares.assign(profile.step.begin(), profile.step.end());
       contact_ = {both, only(other(*goal.swing)), both};
       wish(0.0, from.com, w[0]);
+      wish(0.5 * shares[0], from.com, w[0]);
       wish(shares[0], stance, w[1]);
       wish(shares[0] + shares[1], stance, w[2]);
+      wish(1.0 - 0.5 * shares[2], goal.com, w[3]);
       wish(1.0, goal.com, w[3]);
       break;
     case SegmentKind::lift:
       shares.assign(profile.lift.begin(), profile.lift.end());
       contact_ = {both, only(other(*goal.swing))};
       wish(0.0, from.com, w[0]);
+      wish(0.5 * shares[0], from.com, w[0]);
       wish(shares[0], stance, w[1]);
       wish(1.0, goal.com, w[2]);
       break;
@@ -54,6 +59,7 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       contact_ = {only(other(*goal.swing)), both};
       wish(0.0, from.com, w[1]);
       wish(shares[0], stance, w[2]);
+      wish(1.0 - 0.5 * shares[1], goal.com, w[3]);
       wish(1.0, goal.com, w[3]);
       break;
     case SegmentKind::air:

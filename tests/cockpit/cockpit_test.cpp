@@ -346,14 +346,14 @@ TEST_F(CockpitTest, ASilentDriverCountsAsCentred) {
   page.steer(reach);
   page.settle();
   EXPECT_EQ(device.read(5.5), reach);  // a short silence does not disarm
-  EXPECT_TRUE(device.read(6.6).neutral());
+  EXPECT_TRUE(device.read(7.6).neutral());
   page.steer(reach);
   page.settle();
-  EXPECT_TRUE(device.read(6.7).neutral());  // a long one does
+  EXPECT_TRUE(device.read(7.7).neutral());  // a long one does
   page.steer({});
   page.steer(reach);
   page.settle();
-  EXPECT_EQ(device.read(6.8), reach);
+  EXPECT_EQ(device.read(7.8), reach);
 }
 
 TEST_F(CockpitTest, WhatIsNotANumberIsCentred) {

@@ -23,7 +23,7 @@ class JoystickTest : public testing::Test {
   Command read() { return joystick_->read(t_ += 0.01); }
   void with(const Joystick::Parameters& parameters) { joystick_ = std::make_unique<Joystick>(parameters); }
 
-  test::SdlSession sdl_;
+  test::SdlJoysticks sdl_;
   std::unique_ptr<Joystick> joystick_ = std::make_unique<Joystick>();
   double t_ = 0.0;
 };

@@ -1,4 +1,4 @@
-/// SDL's virtual joysticks, which live in the process of the test, and sessions of SDL that hold them.
+/// Virtual joysticks of SDL, which live in the process of the test.
 #pragma once
 
 #include <SDL.h>
@@ -9,16 +9,16 @@
 namespace baton::test {
 
 /// Keeps SDL's joysticks alive without a display.
-class SdlSession {
+class SdlJoysticks {
  public:
-  SdlSession() {
+  SdlJoysticks() {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     EXPECT_EQ(SDL_InitSubSystem(SDL_INIT_JOYSTICK | SDL_INIT_GAMECONTROLLER), 0) << SDL_GetError();
   }
-  ~SdlSession() { SDL_QuitSubSystem(SDL_INIT_JOYSTICK | SDL_INIT_GAMECONTROLLER); }
-  SdlSession(const SdlSession&) = delete;
-  SdlSession& operator=(const SdlSession&) = delete;
+  ~SdlJoysticks() { SDL_QuitSubSystem(SDL_INIT_JOYSTICK | SDL_INIT_GAMECONTROLLER); }
+  SdlJoysticks(const SdlJoysticks&) = delete;
+  SdlJoysticks& operator=(const SdlJoysticks&) = delete;
 };
 
 /// Plugged in from construction until `unplug` or destruction. What is set is seen after the next update of

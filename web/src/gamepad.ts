@@ -19,15 +19,15 @@ export interface PadInput {
 }
 
 export const deadZone = 0.08;
-const blend = 0.6; // share of the cubic curve
+const curve = 0.5; // c: 0 straight … 1 cubic
 
-/** Dead zone, rescaled so that it begins at zero, then a curve that is fine in the middle: x → (1−b)x + bx³. */
-export function shape(value: number): number {
+/** Dead zone d, then a curve that is fine in the middle, as in docs/input.md: (1−c)u + cu³ with u = (x−d)/(1−d). */
+export function shape(value: number, c = curve): number {
   if (!Number.isFinite(value)) return 0;
   const size = Math.min(1, Math.abs(value));
   if (size <= deadZone) return 0;
-  const x = (size - deadZone) / (1 - deadZone);
-  return Math.sign(value) * ((1 - blend) * x + blend * x ** 3);
+  const u = (size - deadZone) / (1 - deadZone);
+  return Math.sign(value) * ((1 - c) * u + c * u ** 3);
 }
 
 enum Button { A, B, X, Y, LB, RB, LT, RT, Back, Start, LS, RS, Up, Down, Left, Right }
@@ -52,7 +52,7 @@ export class Gamepad {
     }
     const axis = (i: number): number => shape(pad.axes[i] ?? 0);
     const pressed = (b: Button): boolean => pad.buttons[b]?.pressed ?? false;
-    const trigger = (b: Button): number => Math.abs(shape(pad.buttons[b]?.value ?? 0));
+    const trigger = (b: Button): number => Math.abs(shape(pad.buttons[b]?.value ?? 0, 0));
     const between = (minus: Button, plus: Button): number => Number(pressed(plus)) - Number(pressed(minus));
 
     const input: PadInput = {
@@ -72,14 +72,19 @@ export class Gamepad {
     return this.armed ? input : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: false, choose: input.choose };
   }
 
-  /** X, B: left, right foot; with the right bumper: left, right hand; Y or A: trunk. */
+  /** The one button pressed of those that choose; two at once choose nothing. */
   private newChoice(pressed: (button: Button) => boolean): Part | null {
-    let chosen: Part | null = null;
-    if (pressed(Button.X)) chosen = pressed(Button.RB) ? 'left_hand' : 'left_foot';
-    else if (pressed(Button.B)) chosen = pressed(Button.RB) ? 'right_hand' : 'right_foot';
-    else if (pressed(Button.Y) || pressed(Button.A)) chosen = 'trunk';
-    const isNew = chosen !== null && this.chooser === null;
-    this.chooser = chosen;
-    return isNew ? chosen : null;
+    const choices: [Button, Part][] = [
+      [Button.A, 'trunk'],
+      [Button.X, 'left_foot'],
+      [Button.B, 'right_foot'],
+      [Button.Y, 'left_hand'],
+      [Button.RB, 'right_hand'],
+    ];
+    const chosen = choices.filter(([button]) => pressed(button));
+    const part = chosen.length === 1 ? chosen[0]![1] : null;
+    const isNew = part !== this.chooser;
+    this.chooser = part;
+    return isNew ? part : null;
   }
 }

@@ -23,7 +23,8 @@ function note(id: string, content: string): void {
   element(id).hidden = content === '';
 }
 
-const metres = (values: Value[]): string => values.map((v) => (v === null ? '–' : v.toFixed(3))).join('  ') + ' m';
+const millimetre = (value: Value): string => (value === null ? '–' : (Math.round(1e3 * value) / 1e3 + 0).toFixed(3));
+const metres = (values: Value[]): string => `${values.map(millimetre).join('  ')} m`;
 
 export interface Actions {
   takeOrLeave(): void;
@@ -123,7 +124,7 @@ export class Hud {
     text('zmp', metres(state.zmp));
 
     note('hint', state.device.armed ? '' : state.device.hint);
-    note('message', state.fallen ? `The robot has fallen. ${state.message}`.trim() : state.message);
+    note('message', state.message || (state.fallen ? 'The robot has fallen.' : ''));
     element('message').classList.toggle('fallen', state.fallen);
     this.refused(state, now);
   }

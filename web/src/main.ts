@@ -91,7 +91,7 @@ setInterval(() => send(true), sendPeriod);
 async function show(): Promise<void> {
   const model = (await (await fetch('./model.json')).json()) as Model;
   const made = new View(document.getElementById('view') as HTMLCanvasElement, model.size);
-  const robot = new Robot(model);
+  const robot = new Robot(model, made.software ? 1 : 8);
   const markers = new Markers(model.size);
   made.scene.add(robot.root, markers.root);
   hud.describe(model);

@@ -83,7 +83,7 @@ export class Markers {
 
   /** `size`: of the robot [m]. */
   constructor(private readonly size: number) {
-    const r = 0.03 * size;
+    const r = 0.035 * size;
     const goalSole = (): Area => new Area(colours.goal, 0.3, 2.5, 0.04 * size);
     this.soles = [goalSole(), goalSole()];
     this.com = comMark(r);

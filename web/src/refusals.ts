@@ -47,10 +47,16 @@ function numbers(value: Value, limit: Value, unit: Unit): string {
 }
 
 /** "left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)" */
-export function refusalText(refusal: Refusal): string {
-  const { text, unit } = reasons[refusal.reason] ?? { text: inWords(refusal.reason), unit: 'ratio' as Unit };
-  const where = refusal.where === '' ? '' : `, at ${inWords(refusal.where)}`;
-  return `${inWords(refusal.part)}: ${text}${where}${numbers(refusal.value, refusal.limit, unit)}`;
+export function refusalText({ reason, part, value, limit, where }: Refusal): string {
+  let { text, unit } = reasons[reason] ?? { text: inWords(reason), unit: 'ratio' as Unit };
+  const cause = reasons[where]; // what speaks against every foothold
+  if (cause) {
+    text += `: ${cause.text}`;
+    unit = cause.unit;
+  } else if (where !== '' && !part.includes(where)) {
+    text += `, ${inWords(where)}`;
+  }
+  return `${inWords(part)}: ${text}${numbers(value, limit, unit)}`;
 }
 
 /** The last few refusals, newest first; one that comes again and again counts up instead. */

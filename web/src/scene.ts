@@ -11,13 +11,14 @@ export class Robot {
   private readonly bodyOf: Map<Part, number>;
   private guided: number | null = null;
 
-  constructor(model: Model) {
+  /** `anisotropy`: how sharp the floor is drawn far away. */
+  constructor(model: Model, anisotropy: number) {
     const meshes = model.meshes.map(meshGeometry);
     this.bodies = model.bodies.map(() => new THREE.Group());
     this.bodyOf = new Map(model.parts.map(({ name, body }) => [name, body]));
     this.root.add(...this.bodies);
     this.root.visible = false; // until it is known where everything is
-    for (const geom of model.geoms) this.bodies[geom.body]?.add(drawing(geom, meshes));
+    for (const geom of model.geoms) this.bodies[geom.body]?.add(drawing(geom, meshes, anisotropy));
     for (const site of model.sites.filter(({ visible }) => visible)) this.root.add(place(site, model.size));
   }
 
@@ -43,7 +44,7 @@ export class Robot {
     const body = this.bodyOf.get(part) ?? null;
     if (body === this.guided) return;
     this.tint(this.guided, 0);
-    this.tint(body, 0.55);
+    this.tint(body, 0.35);
     this.guided = body;
   }
 
@@ -59,7 +60,7 @@ export class Robot {
   }
 }
 
-function drawing(geom: Geom, meshes: THREE.BufferGeometry[]): THREE.Mesh {
+function drawing(geom: Geom, meshes: THREE.BufferGeometry[], anisotropy: number): THREE.Mesh {
   const [r, g, b, opacity] = geom.rgba;
   const material = new THREE.MeshStandardMaterial({
     color: new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace),
@@ -70,7 +71,7 @@ function drawing(geom: Geom, meshes: THREE.BufferGeometry[]): THREE.Mesh {
   const geometry = shape(geom, meshes);
   if (geom.type === 'plane') {
     const { width, height } = (geometry as THREE.PlaneGeometry).parameters;
-    material.map = floorTexture(width, height);
+    material.map = floorTexture(width, height, anisotropy);
   }
   const mesh = new THREE.Mesh(geometry, material);
   mesh.position.set(...geom.pos);
@@ -94,8 +95,8 @@ function place(site: Model['sites'][number], size: number): THREE.Group {
     new THREE.SphereGeometry(0.028 * size, 20, 14),
     new THREE.MeshStandardMaterial({ color: '#d8402f', roughness: 0.4 }),
   );
-  const name = label(inWords(site.name), 0.12 * size);
-  name.position.z = 0.12 * size;
+  const name = label(inWords(site.name));
+  name.position.z = 0.1 * size;
   group.add(dot, name);
   group.position.set(...site.pos);
   return group;

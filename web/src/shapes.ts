@@ -37,8 +37,8 @@ export function shape(geom: Geom, meshes: THREE.BufferGeometry[]): THREE.BufferG
   }
 }
 
-/** A metre of floor: squares of 0.1 m, with a stronger line around the metre. */
-export function floorTexture(width: number, depth: number): THREE.Texture {
+/** A metre of floor: squares of 0.1 m, with a stronger line around the metre; repeated over an area [m]. */
+export function floorTexture(width: number, depth: number, anisotropy: number): THREE.Texture {
   const pixels = 512;
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = pixels;
@@ -62,12 +62,12 @@ export function floorTexture(width: number, depth: number): THREE.Texture {
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.repeat.set(width, depth);
   texture.colorSpace = THREE.SRGBColorSpace;
-  texture.anisotropy = 8;
+  texture.anisotropy = anisotropy;
   return texture;
 }
 
-/** A name in the scene. */
-export function label(text: string, height: number): THREE.Sprite {
+/** A name in the scene, of the same size from near and far. */
+export function label(text: string): THREE.Sprite {
   const canvas = document.createElement('canvas');
   canvas.width = 256;
   canvas.height = 64;
@@ -82,8 +82,9 @@ export function label(text: string, height: number): THREE.Sprite {
   pen.fillText(text, 128, 32);
   const texture = new THREE.CanvasTexture(canvas);
   texture.colorSpace = THREE.SRGBColorSpace;
-  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: texture, depthTest: false, transparent: true }));
-  sprite.scale.set(4 * height, height, 1);
+  const style = { map: texture, depthTest: false, transparent: true, sizeAttenuation: false };
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial(style));
+  sprite.scale.set(0.12, 0.03, 1);
   sprite.renderOrder = 20;
   return sprite;
 }

@@ -7,11 +7,12 @@ const slow = 70; // a picture that takes longer is drawn with less detail [ms]
 
 export class View {
   follow = true;
+  readonly software = drawsInSoftware();
   readonly scene = new THREE.Scene();
   readonly camera: THREE.PerspectiveCamera;
   private readonly renderer: THREE.WebGLRenderer;
   private readonly controls: OrbitControls;
-  private readonly key = new THREE.DirectionalLight('#fff3e2', 2.3);
+  private readonly key = new THREE.DirectionalLight('#fff6ea', 2.0);
   private readonly centre = new THREE.Vector3();
   private detail = Math.min(2, window.devicePixelRatio);
   private mean = 16; // time between pictures [ms]
@@ -19,7 +20,9 @@ export class View {
 
   /** `size`: nominal height of the robot's centre of mass [m]. */
   constructor(canvas: HTMLCanvasElement, private readonly size: number) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    if (this.software) this.detail = 0.8;
+    const antialias = !this.software;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
@@ -74,7 +77,7 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
-  /** On a machine without a graphics card: first fewer pixels, then no shadows. */
+  /** On a slow machine: first fewer pixels, then rougher shadows. */
   private adapt(now: number): void {
     if (this.last > 0) this.mean += 0.1 * (Math.min(now - this.last, 500) - this.mean);
     this.last = now;
@@ -94,18 +97,27 @@ export class View {
     const { key, size } = this;
     key.castShadow = true;
     key.shadow.mapSize.setScalar(2048);
-    key.shadow.radius = 4;
+    key.shadow.radius = 2;
     key.shadow.bias = -0.0004;
     key.shadow.normalBias = 0.01 * size;
     Object.assign(key.shadow.camera, { left: -5 * size, right: 5 * size, top: 5 * size, bottom: -5 * size });
     Object.assign(key.shadow.camera, { near: 0.5 * size, far: 16 * size });
-    const fill = new THREE.DirectionalLight('#dbe8ff', 0.7);
+    const fill = new THREE.DirectionalLight('#dbe8ff', 0.5);
     fill.position.set(-3, 4, 3);
-    this.scene.add(key, key.target, fill, new THREE.HemisphereLight('#ffffff', '#d9d4cc', 1.5));
+    this.scene.add(key, key.target, fill, new THREE.HemisphereLight('#ffffff', '#dfdedb', 2.0));
   }
 }
 
-/** Light above, lighter at the horizon. */
+/** Whether there is no graphics card: what costs the most is then left out. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const names = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+/** Darker above, lighter at the horizon. */
 function sky(): THREE.Texture {
   const canvas = document.createElement('canvas');
   canvas.width = 4;

@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "app/app.hpp"
+#include "app/commands.hpp"
+#include "app/operator.hpp"
+#include "app/outputs.hpp"
+#include "baton/ik/stand.hpp"
+
+namespace baton::app {
+
+int operate(const OperateOptions& o) {
+  const RobotModel robot = RobotModel::load(o.robot);
+  const World world = World::load(o.task);
+  const Vec3 door = world.site("door_B").p;
+
+  // Somewhere on the stage, not quite facing the steps.
+  std::mt19937_64 random(static_cast<std::uint64_t>(o.seed));
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Pose start = world.site("start");
+  if (!o.exact_start) {
+    start.p += Vec3(-0.07 + 0.07 * unit(random), 0.10 * unit(random), 0);
+    start.R = start.R * rotation_z(0.25 * unit(random));
+  }
+  const Posture posture = stand(robot, start, robot.profile().stance.com_height);
+
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture);
+  Outputs outputs(robot, session, o.report, o.trace, std::nullopt);
+  std::optional<std::ofstream> script = open_output(o.script, "--script");
+  RoomOperator person(robot, world, static_cast<std::uint64_t>(o.seed) + 1);
+  Kinematics kinematics(robot);
+  Command last;
+  bool first = true;
+  double held = 0.0;     // how long the hand has been at the door
+  double best = 0.0;
+  double error = std::numeric_limits<double>::infinity();
+  std::string_view doing;
+  bool refused = false;
+  const double period = robot.profile().tick.period;
+  const auto wall = std::chrono::steady_clock::now();
+  while (session.t() < o.seconds && !person.done() && !session.fallen() && !interrupted) {
+    const Command command = person.decide(session);
+    if (person.doing() != doing) {
+      doing = person.doing();
+      spdlog::info("{:6.1f} s: the operator {}", session.t(), doing);
+    }
+    if (script && (first || !(command == last))) *script << script_line(session.t(), command) << '\n';
+    first = false;
+    last = command;
+    session.step(command);
+    const auto& refusal = session.navigator().refusal();
+    if (refusal && !refused) {
+      spdlog::debug("{:6.2f} s: {} refused: {} {} {:.4f}, limit {:.4f}", session.t(), to_string(command.guide),
+                    to_string(refusal->reason), refusal->where, refusal->value, refusal->limit);
+    }
+    refused = refusal.has_value();
+    kinematics.set(session.truth().q);
+    error = (kinematics.hand(Side::left).p - door).norm();
+    held = error < kReached ? held + period : 0.0;
+    best = std::max(best, held);
+  }
+  const bool reached = best >= 1.0 && !session.fallen();
+  const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", error}, {"task", o.task}};
+  outputs.write(world.name(), o.on, o.seed, std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(), extra);
+  fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached", session.t(),
+             1e3 * error, session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
+  if (session.fallen()) return kFallen;
+  return reached ? kDone : kFailed;
+}
+
+}  // namespace baton::app

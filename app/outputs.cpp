@@ -1,0 +1,49 @@
+#include "app/outputs.hpp"
+
+#include <fmt/format.h>
+
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+
+std::optional<std::ofstream> open_output(const std::optional<std::filesystem::path>& file, const std::string& option) {
+  if (!file) return std::nullopt;
+  std::ofstream out(*file);
+  if (!out) throw InputError(fmt::format("{} {}: cannot be written", option, file->string()));
+  return out;
+}
+
+std::string script_line(double t, const Command& command) {
+  const auto& a = command.axes;
+  return fmt::format(R"({{"t": {:.3f}, "guide": "{}", "axes": [{:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}], "lift": [{:.4g}, {:.4g}]}})",
+                     t, to_string(command.guide), a[0], a[1], a[2], a[3], a[4], a[5], command.lift.left,
+                     command.lift.right);
+}
+
+Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
+                 const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model)
+    : report_(robot), report_file_(open_output(report, "--report")) {
+  if (auto file = open_output(model, "--save-model")) *file << session.model_text();
+  if (trace) trace_.emplace(robot, *trace);
+  session.on_tick = [this](const TickRecord& record) {
+    report_.add(record);
+    if (trace_) trace_->add(record);
+  };
+  session.on_plan = [this](const PlanRecord& record) { report_.add(record); };
+}
+
+nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed,
+                              double wall, const nlohmann::json& extra) {
+  nlohmann::json summary = report_.json(world, on, seed, wall);
+  summary.update(extra);
+  bool written = true;
+  if (report_file_) {
+    *report_file_ << summary.dump(2) << '\n';
+    written = report_file_->flush().good();
+  }
+  if (trace_) written = trace_->close() && written;
+  if (!written) throw std::runtime_error("the trace or the report could not be written whole: is the disk full?");
+  return summary;
+}
+
+}  // namespace baton::app

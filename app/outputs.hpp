@@ -1,0 +1,45 @@
+/// What a run writes: trace, report and model, opened before it begins so that nothing is lost after it.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "app/session.hpp"
+#include "baton/record/report.hpp"
+#include "baton/record/trace.hpp"
+
+namespace baton::app {
+
+/// The hand is at a place when it is as near as this [m].
+inline constexpr double kReached = 0.01;
+
+/// Opens a file to be written.
+/// @throws InputError it cannot be; the message names `option`
+[[nodiscard]] std::optional<std::ofstream> open_output(const std::optional<std::filesystem::path>& file,
+                                                       const std::string& option);
+
+/// A command as a line of a stick script.
+[[nodiscard]] std::string script_line(double t, const Command& command);
+
+class Outputs {
+ public:
+  /// Records `session` from now on.
+  /// @throws InputError a file cannot be written
+  Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
+          const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
+
+  /// Writes the report, with the members of `extra` added, and closes the trace; returns the report.
+  /// @throws std::runtime_error something could not be written whole
+  nlohmann::json write(const std::string& world, const std::string& on, long seed,
+                       double wall, const nlohmann::json& extra = nlohmann::json::object());
+
+ private:
+  Report report_;
+  std::optional<std::ofstream> report_file_;
+  std::optional<Trace> trace_;
+};
+
+}  // namespace baton::app

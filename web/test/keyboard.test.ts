@@ -1,0 +1,61 @@
+import { expect, test } from 'vitest';
+import { Stick } from '../src/stick';
+
+const axesAfter = (...codes: string[]): number[] => {
+  const stick = new Stick();
+  for (const code of codes) expect(stick.press(code)).toBe(true);
+  return stick.command(null).axes;
+};
+
+test('each axis has a key for either direction, positive by the right hand', () => {
+  const pairs = ['KeyW KeyS', 'KeyA KeyD', 'KeyR KeyF', 'ArrowRight ArrowLeft', 'ArrowUp ArrowDown', 'KeyQ KeyE'];
+  pairs.forEach((pair, axis) => {
+    const [plus, minus] = pair.split(' ') as [string, string];
+    const unit = (sign: number): number[] => [0, 0, 0, 0, 0, 0].map((_, i) => (i === axis ? sign : 0));
+    expect(axesAfter(plus)).toEqual(unit(1));
+    expect(axesAfter(minus)).toEqual(unit(-1));
+    expect(axesAfter(plus, minus)).toEqual(unit(0));
+  });
+});
+
+test('Shift halves, keys add up over axes and end when released', () => {
+  const { keyboard } = new Stick();
+  keyboard.press('KeyW');
+  keyboard.press('KeyQ');
+  keyboard.shift(true);
+  expect(keyboard.axes()).toEqual([0.5, 0, 0, 0, 0, 0.5]);
+  keyboard.shift(false);
+  keyboard.release('KeyW');
+  expect(keyboard.axes()).toEqual([0, 0, 0, 0, 0, 1]);
+});
+
+test('1 to 5 choose the part', () => {
+  const stick = new Stick();
+  const chosen = ['Digit1', 'Digit2', 'Digit3', 'Digit4', 'Numpad5'].map((code) => {
+    stick.press(code);
+    return stick.command(null).guide;
+  });
+  expect(chosen).toEqual(['left_foot', 'right_foot', 'left_hand', 'right_hand', 'trunk']);
+});
+
+test('L lifts the guided foot and lowers it, and no hand', () => {
+  const stick = new Stick();
+  const lift = (): number[] => stick.command(null).lift;
+  stick.press('KeyL');
+  expect(lift()).toEqual([0, 0]);
+  stick.press('Digit2');
+  stick.press('KeyL');
+  expect(lift()).toEqual([0, 1]);
+  stick.press('KeyL');
+  expect(lift()).toEqual([0, 0]);
+});
+
+test('letting go centres everything and keeps the part', () => {
+  const stick = new Stick();
+  for (const code of ['Digit1', 'KeyL', 'KeyW', 'Space']) stick.press(code);
+  expect(stick.command(null)).toEqual({ guide: 'left_foot', axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: true });
+});
+
+test('other keys are left to the browser', () => {
+  expect(new Stick().press('F5')).toBe(false);
+});
