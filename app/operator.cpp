@@ -211,7 +211,7 @@ Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
   const double comfortable = 0.95 * robot_->profile().region.hand_distance;
   const double below = sight.shoulder.z() - door_.z();
   const double ahead = std::sqrt(std::max(0.0, comfortable * comfortable - below * below));
-  const Vec2 shoulder = sight.shoulder.head<2>() - sight.feet();
+  const Vec2 shoulder = (sight.shoulder - sight.com).head<2>();
   return door_.head<2>() - Vec2(ahead, 0) - shoulder;
 }
 
