@@ -12,8 +12,7 @@ int reproduce(const ReproduceOptions& options) {
   std::filesystem::create_directories(options.out, error);
   if (error) throw InputError(fmt::format("--out {}: {}", options.out.string(), error.message()));
   if (!std::filesystem::is_directory(options.out)) throw InputError(fmt::format("--out {}: not a folder", options.out.string()));
-  if (options.what == "fig8") return reproduce_fig8(options.out);
-  throw InputError(fmt::format("reproduce {}: not there yet; there is fig8", options.what));
+  return options.what == "fig8" ? reproduce_fig8(options.out) : reproduce_room(options.out);
 }
 
 }  // namespace baton::app

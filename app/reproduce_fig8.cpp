@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -113,13 +114,13 @@ void show(Panel& panel, const Step& step, const ComPath& path, double t0, Stroke
   const Check check = integrate(step, path);
   const std::vector<double>& times = path.times();
   for (std::size_t i = 0; i < kShares.size(); ++i) {
-    std::vector<double> feet = step.standing(i);
-    const auto band_of = [&](const char* name, double low, double high, const char* colour, double opacity) {
-      panel.areas.push_back(band(name, {t0 + times[i], low - kSoleHalfWidth}, {t0 + times[i + 1], high + kSoleHalfWidth}, colour, opacity));
+    const std::vector<double> feet = step.standing(i);
+    const auto add = [&](const char* name, double low, double high, const char* colour) {
+      panel.areas.push_back(band(name, {t0 + times[i], low - kSoleHalfWidth}, {t0 + times[i + 1], high + kSoleHalfWidth}, colour, 1.0));
     };
-    band_of("support of the ZMP", *std::min_element(feet.begin(), feet.end()), step.left, palette::kGrey, 0.18);
-    band_of("left sole", step.left, step.left, palette::kSky, 0.28);
-    if (feet.size() > 1) band_of("right sole", feet[1], feet[1], palette::kOrange, 0.28);
+    add("between them", *std::min_element(feet.begin(), feet.end()), step.left, "#eeeeee");
+    add("left sole", step.left, step.left, "#cfe5f3");
+    if (feet.size() > 1) add("right sole", feet[1], feet[1], "#f6e0b5");
   }
   const bool first = panel.series.empty();
   const auto moved = [t0](std::vector<Vec2> points) {
@@ -165,7 +166,7 @@ int reproduce_fig8(const std::filesystem::path& out) {
   for (Panel& panel : panels) {
     panel.x_label = "time [s]";
     panel.y_label = "lateral position [m], left +";
-    panel.x_range = Range{0.0, end};
+    panel.x_range = Range{-0.02, end + 0.02};
     panel.height = 240.0;
   }
   save_plot(out / "fig8.svg", panels);

@@ -86,6 +86,7 @@ Vec2 ConvexPolygon::nearest(const Vec2& point) const {
 }
 
 ConvexPolygon ConvexPolygon::clipped(const ConvexPolygon& other) const {
+  if (other.empty()) return {};
   std::vector<Vec2> loop = vertices_;
   for (std::size_t i = 0; i < other.vertices_.size(); ++i) {
     const Vec2& a = other.vertices_[i];

@@ -14,7 +14,6 @@ namespace baton {
 namespace {
 
 constexpr double kLeft = 70.0, kRight = 18.0, kTitle = 26.0, kLegend = 20.0, kBelow = 46.0;  ///< [px]
-constexpr double kCharacter = 6.4;  ///< mean width of one in the legend [px]
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -32,9 +31,13 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-/// Characters, not bytes, of UTF-8.
-double length(const std::string& text) {
-  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+/// About how wide a text of UTF-8 is [px].
+double width_of(const std::string& text) {
+  double width = 0.0;
+  for (const char c : text) {
+    if ((c & 0xc0) != 0x80) width += c >= 'A' && c <= 'Z' ? 9.2 : 6.6;
+  }
+  return width;
 }
 
 /// One axis: from data units to pixels, with round ticks.
@@ -186,7 +189,7 @@ class Drawing {
     double x = x_.begin;
     legend_y_ = top_ + kTitle;
     const auto entry = [&](const std::string& name, const auto& sample) {
-      const double wide = 34.0 + kCharacter * length(name) + 14.0;
+      const double wide = 34.0 + width_of(name) + 16.0;
       if (x > x_.begin && x + wide > width_ - kRight) {
         x = x_.begin;
         legend_y_ += kLegend;

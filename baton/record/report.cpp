@@ -67,7 +67,10 @@ void Report::add(const TickRecord& record) {
   const Command& command = nav.command();
   if (!(command == last_command_)) {
     last_refused_.clear();
-    if (!command.neutral()) {
+    // A throttle that only stays up asks for nothing new.
+    const bool lifts = is_foot(command.guide) &&
+                       command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
+    if (!command.axes.isZero(0.0) || (!command.neutral() && lifts)) {
       const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(yaw_of(nav.sample().sole.left.R), yaw_of(nav.sample().sole.right.R)));
       Interval interval;
       interval.command = command;

@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/app.hpp"
+#include "app/commands.hpp"
+#include "app/outputs.hpp"
+#include "app/reproduce.hpp"
+#include "app/session.hpp"
+#include "baton/input/script.hpp"
+#include "baton/model/contact.hpp"
+#include "baton/record/picture.hpp"
+#include "baton/record/plot.hpp"
+
+namespace baton::app {
+namespace {
+
+constexpr int kSnapshots = 8;
+constexpr double kAfter = 2.0;  ///< how long the run goes on after the script's last line [s]
+
+/// What the figures show of a run, in the world.
+struct Loci {
+  std::vector<double> t;
+  std::vector<Vec3> com;
+  BySide<std::vector<Vec3>> sole;
+  BySide<std::vector<Vec3>> hand;
+  std::vector<Vec3> com_goals;
+  std::vector<std::vector<Vec2>> footholds;  ///< outlines
+};
+
+std::vector<Vec2> seen_from(const std::vector<Vec3>& points, int across, int up) {
+  std::vector<Vec2> flat;
+  for (const Vec3& p : points) flat.emplace_back(p[across], p[up]);
+  return flat;
+}
+
+std::vector<Vec2> over_time(const std::vector<double>& t, const std::vector<Vec3>& points, int axis) {
+  std::vector<Vec2> flat;
+  for (std::size_t i = 0; i < t.size(); ++i) flat.emplace_back(t[i], points[i][axis]);
+  return flat;
+}
+
+void draw_map(const Loci& loci, const World& world, const std::filesystem::path& file) {
+  Panel map;
+  map.title = "Subgoals and loci, from above";
+  map.x_label = "x [m]";
+  map.y_label = "y [m]";
+  map.equal = true;
+  const double far = 1.0;
+  for (const GroundFace& face : world.faces()) {
+    if (face.outline.vertices().front().norm() > far) continue;
+    map.areas.push_back({"steps", face.outline.vertices(), palette::kOrange, 0.2, true});
+  }
+  for (const auto& outline : loci.footholds) map.areas.push_back({"footholds", outline, palette::kGrey, 0.25, true});
+  map.series.push_back({"COM", seen_from(loci.com, 0, 1), Stroke::solid, palette::kBlack, 1.6});
+  map.series.push_back({"left foot", seen_from(loci.sole.left, 0, 1), Stroke::solid, palette::kBlue, 1.2});
+  map.series.push_back({"right foot", seen_from(loci.sole.right, 0, 1), Stroke::solid, palette::kVermilion, 1.2});
+  map.series.push_back({"left hand", seen_from(loci.hand.left, 0, 1), Stroke::solid, palette::kGreen, 1.2});
+  map.series.push_back({"right hand", seen_from(loci.hand.right, 0, 1), Stroke::solid, palette::kPurple, 1.2});
+  map.series.push_back({"COM subgoals", seen_from(loci.com_goals, 0, 1), Stroke::points, palette::kBlack, 2.5});
+  map.series.push_back({"door B", {world.site("door_B").p.head<2>()}, Stroke::points, palette::kGreen, 5.0});
+  map.height = 520.0;
+  save_plot(file, std::vector<Panel>{map}, 980.0);
+}
+
+void draw_histories(const Loci& loci, const std::filesystem::path& file) {
+  std::vector<Panel> panels;
+  const std::array<const char*, 3> axes{"x [m]", "y [m]", "z [m]"};
+  for (int axis = 0; axis < 3; ++axis) {
+    Panel panel;
+    panel.x_label = axis == 2 ? "t [s]" : "";
+    panel.y_label = axes[static_cast<std::size_t>(axis)];
+    panel.series.push_back({"COM", over_time(loci.t, loci.com, axis), Stroke::solid, palette::kBlack, 1.6});
+    panel.series.push_back({"left foot", over_time(loci.t, loci.sole.left, axis), Stroke::solid, palette::kBlue, 1.2});
+    panel.series.push_back({"right foot", over_time(loci.t, loci.sole.right, axis), Stroke::solid, palette::kVermilion, 1.2});
+    panel.series.push_back({"left hand", over_time(loci.t, loci.hand.left, axis), Stroke::solid, palette::kGreen, 1.2});
+    panels.push_back(std::move(panel));
+  }
+  panels.front().title = "Loci over time";
+  save_plot(file, panels, 900.0);
+}
+
+}  // namespace
+
+int reproduce_room(const std::filesystem::path& out) {
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("room");
+  const std::filesystem::path script_file = share_dir() / "worlds" / "room.jsonl";
+  Script script = Script::load(script_file);
+  const Vec3 door = world.site("door_B").p;
+  Session session(robot, world, Session::On::sim);
+  Outputs outputs(robot, session, out / "room_report.json", out / "room.csv", out / "room.xml");
+  std::filesystem::copy_file(script_file, out / "room.jsonl", std::filesystem::copy_options::overwrite_existing);
+  SimulatedRobot& body = *session.simulated();
+  Picture picture(body.model(), 640, 480);
+
+  Kinematics kinematics(robot);
+  Loci loci;
+  std::vector<Image> snapshots;
+  const DataPtr scene(mj_makeData(&body.model()));
+  const double duration = script.duration() + kAfter;
+  long segment = -1;
+  double held = 0.0;
+  double longest = 0.0;
+  double error = 0.0;
+  double reached_at = -1.0;
+  const auto wall = std::chrono::steady_clock::now();
+  long tick = 0;
+  while (session.t() < duration && !session.fallen() && !interrupted) {
+    session.step(script.read(session.t()));
+    kinematics.set(session.truth().q);
+    error = (kinematics.hand(Side::left).p - door).norm();
+    held = error < kReached ? held + robot.profile().tick.period : 0.0;
+    longest = std::max(longest, held);
+    if (longest >= 1.0 && reached_at < 0.0) reached_at = session.t();
+    if (tick++ % 10 == 0) {
+      loci.t.push_back(session.t());
+      loci.com.push_back(kinematics.com());
+      for (const Side side : kSides) {
+        loci.sole[side].push_back(kinematics.sole(side).p);
+        loci.hand[side].push_back(kinematics.hand(side).p);
+      }
+    }
+    const Navigator& nav = session.navigator();
+    if (nav.segment() != segment && nav.motion() != nullptr) {
+      const Posture& end = nav.motion()->end;
+      loci.com_goals.push_back(nav.anchor() * end.com);
+      for (const Side side : kSides) {
+        if (end.contact[side]) loci.footholds.push_back(sole_outline(robot, side, nav.anchor() * end.sole[side]).vertices());
+      }
+    }
+    segment = nav.segment();
+    if (session.t() >= duration * static_cast<double>(snapshots.size()) / (kSnapshots - 1) - 0.05 && snapshots.size() < kSnapshots) {
+      mju_copy(scene->qpos, body.data().qpos, body.model().nq);
+      mj_forward(&body.model(), scene.get());
+      snapshots.push_back(picture.render(*scene, "overview"));
+      spdlog::info("{:5.1f} of {:.1f} s: the hand is {:.0f} mm from the door", session.t(), duration, 1e3 * error);
+    }
+  }
+  const bool reached = longest >= 1.0 && !session.fallen();
+  outputs.write(world.name(), "sim", 0, std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count());
+  const nlohmann::json summary = {{"falls", session.fallen() ? 1 : 0},
+                                  {"duration_s", reached ? reached_at : session.t()},
+                                  {"reached", reached},
+                                  {"hand_error_m", error}};
+  *open_output(out / "room.json", "--out") << summary.dump(2) << '\n';
+  draw_map(loci, world, out / "fig10.svg");
+  draw_histories(loci, out / "fig11.svg");
+  save_png(out / "fig12.png", montage(snapshots, 4));
+  fmt::print("{} {}: room.json, fig10.svg, fig11.svg, fig12.png, room.csv, room.xml, room_report.json, room.jsonl in {}\n",
+             reached ? "the hand was held at the door after" : "the door was not reached in", summary["duration_s"].get<double>(), out.string());
+  if (session.fallen()) return kFallen;
+  return reached ? kDone : kFailed;
+}
+
+}  // namespace baton::app

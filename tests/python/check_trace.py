@@ -1,0 +1,712 @@
+#!/usr/bin/env python3
+"""Judge a run by its trace alone: an independent program that shares no code with baton.
+
+    check_trace.py TRACE.csv --model MODEL.xml --profile robots/mighty/profile.toml [--on ideal|sim] [--report R.json]
+
+TRACE and MODEL are what `baton drive --trace TRACE --save-model MODEL` wrote. Every tick is looked at. Forces follow from
+the momentum of the links: their places are taken from MuJoCo's kinematics, everything else is worked out here by
+differences in time, so neither MuJoCo's dynamics nor the program's are trusted.
+
+Prints a summary as JSON: `violations` (kind, tick, value, limit, count) and `numbers`, the worst of each quantity.
+Exit 0 without, 1 with violations, 2 for files that cannot be read.
+Needs numpy and mujoco.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+import tomllib
+
+import mujoco
+import numpy as np
+
+SIDES = ("left", "right")
+PHASES = ("hold", "double", "single_left", "single_right", "fallen")
+FIXED_COLUMNS = ("t", "guide", "segment", "phase")
+ON_LIMITS = {
+    # what a rounding error, the tolerance of inverse kinematics (0.1 mm) or ten printed digits may spoil
+    "ideal": {
+        "range": 1e-9,  # [rad] beyond the joint limits
+        "speed": 1.0,  # of the profile's share of the no-load speed
+        "consistency": 0.35,  # [rad/s] step of qpos against the mean of qvel at its ends
+        "slip": 1e-4,  # [m] of a planned sole, within a phase
+        "ground": 3e-4,  # [m] of a planned sole, against the ground
+        "swing": 3e-4,  # [m] of a swing sole below the ground
+        "gap": 1e-4,  # [m]
+        "self": 1e-4,  # [m]
+        "com": 5e-4,  # [m] of the planned COM against the true one
+        "zmp": 3e-3,  # [m] of the planned ZMP against the one found here
+        "rest": 1e-9,  # [rad/s] in hold
+        "tilt": 0.02,  # [rad] of the trunk beyond its range
+    },
+    "sim": {
+        "range": 0.02,  # limits are springs
+        "speed": 1.0 / 0.85,
+        "slip": 0.01,
+        "ground": 0.01,
+        "swing": 0.005,
+        "gap": 0.006,
+        "self": 0.003,
+        "com": 0.03,
+        "rest": 0.6,
+        "tilt": 0.15,
+    },
+}
+
+
+# ---------------------------------------------------------------- reading
+
+
+class Trace:
+    """The columns of a trace: `number[name]` and `word[name]`, a value a tick."""
+
+    def __init__(self, file):
+        with open(file) as stream:
+            self.names = stream.readline().rstrip("\n").split(",")
+            rows = [line.rstrip("\n").split(",") for line in stream]
+        for i, row in enumerate(rows):
+            if len(row) != len(self.names):
+                raise ValueError(f"{file}: row {i + 1} has {len(row)} values, the header {len(self.names)}")
+        if len(rows) < 3:
+            raise ValueError(f"{file}: {len(rows)} rows")
+        self.word = {"guide": [row[1] for row in rows], "phase": [row[3] for row in rows]}
+        columns = [i for i, name in enumerate(self.names) if name not in self.word]
+        table = np.array([[row[i] for i in columns] for row in rows], dtype=float)
+        self.number = {self.names[i]: table[:, k] for k, i in enumerate(columns)}
+        self.ticks = len(rows)
+
+    def block(self, prefix, n=None):
+        """Columns prefix0, prefix1, …, or all that begin with the prefix."""
+        names = [name for name in self.names if name.startswith(prefix)] if n is None else [f"{prefix}{i}" for i in range(n)]
+        return np.stack([self.number[name] for name in names], axis=1)
+
+
+class Robot:
+    """What the checks need of model and profile."""
+
+    def __init__(self, model_file, profile_file):
+        self.m = m = mujoco.MjModel.from_xml_path(str(model_file))
+        self.profile = tomllib.loads(pathlib.Path(profile_file).read_text())
+        roots = [b for b in range(m.nbody) if m.body_dofnum[b] == 6]
+        if len(roots) != 1:
+            raise ValueError(f"{model_file}: {len(roots)} floating bodies, one wanted")
+        self.root = roots[0]
+        self.free = m.jnt_qposadr[m.body_jntadr[self.root]]
+        self.bodies = np.array([b for b in range(m.nbody) if m.body_rootid[b] == self.root])
+        self.hinges = np.array([j for j in range(m.njnt) if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE])
+        self.qadr = m.jnt_qposadr[self.hinges]
+        self.dadr = m.jnt_dofadr[self.hinges]
+        self.range = m.jnt_range[self.hinges]
+        motor = {int(m.actuator_trnid[i, 0]): i for i in range(m.nu)}
+        gear = np.array([m.actuator_gear[motor[j], 0] for j in self.hinges])
+        self.stall = np.array([m.actuator_ctrlrange[motor[j], 1] for j in self.hinges]) * gear
+        self.damping = m.dof_damping[self.dadr]
+        self.armature = m.dof_armature[self.dadr]
+        self.no_load = self.stall / self.damping
+        self.joint_names = [m.joint(int(j)).name.split("/")[-1] for j in self.hinges]
+        self.mass = m.body_mass[self.bodies].sum()
+        # subtree[j, b]: whether link b hangs on joint j
+        self.subtree = np.zeros((len(self.hinges), len(self.bodies)), bool)
+        for k, j in enumerate(self.hinges):
+            for i, b in enumerate(self.bodies):
+                up = b
+                while up not in (0, m.jnt_bodyid[j]):
+                    up = m.body_parentid[up]
+                self.subtree[k, i] = up == m.jnt_bodyid[j]
+        parts = self.profile["parts"]
+        self.trunk = self.body(parts["trunk"])
+        self.sole_site = [self.site(parts[f"{side}_foot"]) for side in SIDES]
+        self.foot_body = [int(m.site_bodyid[s]) for s in self.sole_site]
+        self.sole_corners, self.sole_geom = zip(*(self._corners(s) for s in self.sole_site))
+        self.pairs = [(int(a), int(b)) for a, b in zip(m.pair_geom1, m.pair_geom2)]
+        self.ground = [g for g in range(m.ngeom) if m.geom_bodyid[g] == 0 and m.geom(g).name.split("/")[-1].startswith("ground")]
+        self.obstacles = [g for g in range(m.ngeom) if m.geom_bodyid[g] == 0 and m.geom_contype[g] and g not in self.ground]
+        self.colliders = [
+            g for g in range(m.ngeom) if m.body_rootid[m.geom_bodyid[g]] == self.root and m.geom_contype[g] and g not in self.sole_geom
+        ]
+
+    def _named(self, kind, count, name):
+        found = [i for i in range(count) if kind(i).name.split("/")[-1] == name]
+        if len(found) != 1:
+            raise ValueError(f"{len(found)} things in the model are called {name}")
+        return found[0]
+
+    def body(self, name):
+        return self._named(self.m.body, self.m.nbody, name)
+
+    def site(self, name):
+        return self._named(self.m.site, self.m.nsite, name)
+
+    def _corners(self, site):
+        """Corners of the sole in the frame of its body, and its geom: the colliding box whose underside is at the site."""
+        m, body = self.m, int(self.m.site_bodyid[site])
+        for g in range(m.ngeom):
+            if m.geom_bodyid[g] != body or not m.geom_contype[g] or m.geom_type[g] != mujoco.mjtGeom.mjGEOM_BOX:
+                continue
+            x, y, z = m.geom_size[g]
+            if abs(m.geom_pos[g, 2] - z - m.site_pos[site, 2]) < 1e-4:
+                corners = np.array([[x, y, -z], [-x, y, -z], [-x, -y, -z], [x, -y, -z]])
+                R = np.zeros(9)
+                mujoco.mju_quat2Mat(R, m.geom_quat[g])
+                return m.geom_pos[g] + corners @ R.reshape(3, 3).T, g
+        raise ValueError(f"no sole at site {m.site(site).name}")
+
+
+# ---------------------------------------------------------------- geometry, for all ticks at once
+
+
+def cross2(a, b):
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def hull_margin(points, valid, x):
+    """Distance of x to the edge of the hull, negative outside (there, the largest distance to an edge's line).
+
+    points (N, P, 2), valid (N, P) which of them count, x (N, 2)."""
+    n, count, _ = points.shape
+    margin = np.full(n, np.inf)
+    edges = np.zeros(n, int)
+    for i in range(count):
+        for j in range(count):
+            if i == j:
+                continue
+            along = points[:, j] - points[:, i]
+            length = np.hypot(along[:, 0], along[:, 1])
+            usable = valid[:, i] & valid[:, j] & (length > 1e-9)
+            left = cross2(along[:, None], points - points[:, i, None]) / np.maximum(length, 1e-12)[:, None]
+            usable &= np.all((left >= -1e-9) | ~valid, axis=1)
+            distance = cross2(along, x - points[:, i]) / np.maximum(length, 1e-12)
+            margin = np.where(usable, np.minimum(margin, distance), margin)
+            edges += usable
+    margin[(edges < 3) | ~np.isfinite(x).all(axis=1)] = -np.inf
+    return margin
+
+
+def _axis_gap(a, b):
+    """Largest gap along the normals of polygon a's edges (N, P, 2), counter-clockwise or not; negative: overlap."""
+    best = np.full(len(a), -np.inf)
+    for i in range(a.shape[1]):
+        edge = a[:, (i + 1) % a.shape[1]] - a[:, i]
+        normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / np.maximum(np.linalg.norm(edge, axis=1), 1e-12)[:, None]
+        middle = a.mean(axis=1) - a[:, i]
+        normal *= -np.sign(np.einsum("nk,nk->n", normal, middle))[:, None]
+        best = np.maximum(best, np.einsum("npk,nk->np", b - a[:, i, None], normal).min(axis=1))
+    return best
+
+
+def polygon_gap(a, b):
+    """Distance of two convex polygons (N, P, 2); where they overlap, minus the depth."""
+    separating = np.maximum(_axis_gap(a, b), _axis_gap(b, a))
+    nearest = np.full(len(a), np.inf)
+    for p, q in ((a, b), (b, a)):
+        for i in range(q.shape[1]):
+            start, along = q[:, i], q[:, (i + 1) % q.shape[1]] - q[:, i]
+            to = p - start[:, None]
+            s = np.clip(np.einsum("npk,nk->np", to, along) / np.maximum((along**2).sum(1), 1e-18)[:, None], 0, 1)
+            nearest = np.minimum(nearest, np.linalg.norm(to - s[..., None] * along[:, None], axis=2).min(axis=1))
+    return np.where(separating > 0, nearest, separating)
+
+
+def rotation_vector(R):
+    """Logarithm of rotations (…, 3, 3) that are small."""
+    skew = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], axis=-1) / 2
+    sine = np.linalg.norm(skew, axis=-1)
+    angle = np.arctan2(sine, (np.trace(R, axis1=-2, axis2=-1) - 1) / 2)
+    return skew * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 1.0)[..., None]
+
+
+class Ground:
+    """What may be stood on: level planes and upright boxes."""
+
+    def __init__(self, robot):
+        m = robot.m
+        data = mujoco.MjData(m)
+        mujoco.mj_kinematics(m, data)
+        self.boxes, self.floor = [], -np.inf
+        for g in robot.ground:
+            R, p = data.geom_xmat[g].reshape(3, 3), data.geom_xpos[g]
+            if R[2, 2] < 1 - 1e-9:
+                raise ValueError(f"ground {m.geom(g).name} is not level")
+            if m.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE:
+                self.floor = max(self.floor, p[2])
+            elif m.geom_type[g] == mujoco.mjtGeom.mjGEOM_BOX:
+                x, y, z = m.geom_size[g]
+                corners = p[:2] + np.array([[x, y], [-x, y], [-x, -y], [x, -y]]) @ R[:2, :2].T
+                self.boxes.append((corners, p[2] + z))
+            else:
+                raise ValueError(f"ground {m.geom(g).name} is neither a plane nor a box")
+
+    def heights(self, outline):
+        """Highest and lowest ground below polygons (N, 4, 2)."""
+        highest = np.full(len(outline), self.floor)
+        lowest = np.full(len(outline), np.inf)
+        samples = self._samples(outline)
+        at = np.full(samples.shape[:2], self.floor)
+        for corners, top in self.boxes:
+            box = np.broadcast_to(corners, (len(outline), 4, 2))
+            touched = polygon_gap(outline, box) < 0
+            highest = np.where(touched, np.maximum(highest, top), highest)
+            inside = np.ones(samples.shape[:2], bool)
+            for i in range(4):
+                edge = corners[(i + 1) % 4] - corners[i]
+                inside &= cross2(edge, samples - corners[i]) >= 0
+            at = np.where(inside, np.maximum(at, top), at)
+        lowest = at.min(axis=1)
+        return highest, lowest
+
+    @staticmethod
+    def _samples(outline, n=9):
+        u = (np.arange(n) + 0.5) / n
+        s, t = (v.ravel() for v in np.meshgrid(np.r_[0, u, 1], np.r_[0, u, 1]))
+        weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
+        return np.einsum("kc,ncd->nkd", weights, outline)
+
+
+# ---------------------------------------------------------------- the motion, from the trace and the model
+
+
+class Motion:
+    """Kinematics of every tick, and what follows from it by differences."""
+
+    def __init__(self, robot, q, v, dt):
+        m, n = robot.m, len(q)
+        data = mujoco.MjData(m)
+        bodies = robot.bodies
+        self.place = np.empty((n, m.nbody, 3))  # centre of mass of each link
+        turn = np.empty((n, m.nbody, 9))
+        origin, attitude = np.empty((n, m.nbody, 3)), np.empty((n, m.nbody, 9))
+        self.anchor, self.axis = np.empty((n, m.njnt, 3)), np.empty((n, m.njnt, 3))
+        self.self_distance = np.full(n, np.inf)
+        self.self_pair = np.zeros(n, int)
+        self.world_distance = np.full(n, np.inf)
+        self.subtree_momentum = np.full((n, 6), np.nan)  # from qvel: linear, angular about the COM
+        reach = 4 * robot.profile["margin"]["self_collision"] + 0.01
+        fromto = np.zeros(6)
+        solids = [(a, b) for a in robot.colliders for b in robot.obstacles + robot.ground]
+        radius = m.geom_rbound
+        for k in range(n):
+            data.qpos[:] = q[k]
+            data.qvel[:] = v[k]
+            mujoco.mj_kinematics(m, data)
+            mujoco.mj_comPos(m, data)
+            mujoco.mj_comVel(m, data)
+            mujoco.mj_subtreeVel(m, data)
+            self.place[k], turn[k] = data.xipos, data.ximat
+            origin[k], attitude[k] = data.xpos, data.xmat
+            self.anchor[k], self.axis[k] = data.xanchor, data.xaxis
+            self.subtree_momentum[k, :3] = robot.mass * data.subtree_linvel[robot.root]
+            self.subtree_momentum[k, 3:] = data.subtree_angmom[robot.root]
+            still = k > 0 and np.array_equal(q[k], q[k - 1])
+            if still:
+                self.self_distance[k], self.self_pair[k] = self.self_distance[k - 1], self.self_pair[k - 1]
+                self.world_distance[k] = self.world_distance[k - 1]
+                continue
+            centre = data.geom_xpos
+            for i, (a, b) in enumerate(robot.pairs):
+                d = mujoco.mj_geomDistance(m, data, a, b, reach, fromto)
+                if d < self.self_distance[k]:
+                    self.self_distance[k], self.self_pair[k] = d, i
+            for a, b in solids:
+                if radius[b] > 0:
+                    if np.abs(centre[a] - centre[b]).max() > radius[a] + radius[b] + reach:
+                        continue
+                elif centre[a][2] - centre[b][2] > radius[a] + reach:
+                    continue
+                self.world_distance[k] = min(self.world_distance[k], mujoco.mj_geomDistance(m, data, a, b, reach, fromto))
+        turn, self.attitude = turn.reshape(n, m.nbody, 3, 3), attitude.reshape(n, m.nbody, 3, 3)
+        weight = m.body_mass[bodies]
+        self.place, turn = self.place[:, bodies], turn[:, bodies]
+        self.com = np.einsum("b,nbk->nk", weight, self.place) / robot.mass
+
+        # Momentum of each link about the world's origin halfway between the ticks, and its rate at the ticks.
+        velocity = np.diff(self.place, axis=0) / dt
+        spin = rotation_vector(turn[1:] @ np.swapaxes(turn[:-1], -1, -2)) / dt
+        half = turn[:-1] @ _small_rotation(rotation_vector(np.swapaxes(turn[:-1], -1, -2) @ turn[1:]) / 2)
+        inertia = m.body_inertia[bodies]
+        own = np.einsum("nbij,nbj->nbi", half, inertia * np.einsum("nbji,nbj->nbi", half, spin))
+        linear = weight[:, None] * velocity
+        angular = own + np.cross((self.place[1:] + self.place[:-1]) / 2, linear)
+        self.force = np.zeros((n, len(bodies), 3))  # of the world and the neighbours on each link, weight taken off
+        self.moment = np.zeros_like(self.force)  # about the world's origin
+        self.force[1:-1] = np.diff(linear, axis=0) / dt
+        self.moment[1:-1] = np.diff(angular, axis=0) / dt
+        lift = -m.opt.gravity * weight[:, None]
+        self.force += lift
+        self.moment += np.cross(self.place, lift)
+        self.total_force, self.total_moment = self.force.sum(axis=1), self.moment.sum(axis=1)
+
+        # The same wrench from qvel, by central differences, as someone else might do it.
+        rate = np.zeros((n, 6))
+        rate[1:-1] = (self.subtree_momentum[2:] - self.subtree_momentum[:-2]) / (2 * dt)
+        self.other_force = rate[:, :3] - robot.mass * m.opt.gravity
+        self.other_moment = rate[:, 3:] + np.cross(self.com, self.other_force)
+
+        self.corners = np.stack(
+            [
+                origin[:, b, None] + np.einsum("nij,cj->nci", self.attitude[:, b], robot.sole_corners[i])
+                for i, b in enumerate(robot.foot_body)
+            ],
+            axis=1,
+        )  # (N, side, 4, 3)
+        self.trunk = self.attitude[:, robot.trunk]
+
+
+def _small_rotation(w):
+    """Rodrigues, (…, 3) → (…, 3, 3)."""
+    angle = np.linalg.norm(w, axis=-1)[..., None, None]
+    K = np.zeros((*w.shape[:-1], 3, 3))
+    K[..., 0, 1], K[..., 0, 2], K[..., 1, 2] = -w[..., 2], w[..., 1], -w[..., 0]
+    K -= np.swapaxes(K, -1, -2)
+    safe = np.maximum(angle, 1e-12)
+    return np.eye(3) + np.where(angle > 1e-9, np.sin(safe) / safe, 1) * K + np.where(angle > 1e-9, (1 - np.cos(safe)) / safe**2, 0.5) * (K @ K)
+
+
+def zmp(force, moment, height):
+    """Where the line of force meets the plane z = height."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = (force[:, 0] * height - moment[:, 1]) / force[:, 2]
+        y = (force[:, 1] * height + moment[:, 0]) / force[:, 2]
+    return np.where((force[:, 2] > 0)[:, None], np.stack([x, y], axis=1), np.nan)
+
+
+def support(corners, com, contact):
+    """Vertices of the supporting soles, projected centrally from the COM onto the plane of the lower one.
+
+    Returns points (N, 8, 2), which of them count, and the plane's height."""
+    height = np.where(contact, corners[..., 2].mean(axis=2), np.inf).min(axis=1)
+    flat = corners.reshape(len(corners), 8, 3)
+    c = com[:, None]
+    share = (com[:, 2] - height)[:, None] / (com[:, 2, None] - flat[..., 2])
+    points = (c + (flat - c) * share[..., None])[..., :2]
+    return points, np.repeat(contact, 4, axis=1), height
+
+
+# ---------------------------------------------------------------- the checks
+
+
+class Findings:
+    def __init__(self):
+        self.violations, self.numbers = {}, {}
+
+    def add(self, kind, ticks, values, limit):
+        """Violations of one kind; the worst is the first given if values have no order, so give excesses."""
+        ticks = np.atleast_1d(ticks)
+        if len(ticks) == 0:
+            return
+        values = np.atleast_1d(np.asarray(values, float))
+        self.violations[kind] = {"kind": kind, "tick": int(ticks[0]), "value": float(values[0]), "limit": limit, "count": len(ticks)}
+
+    def at_least(self, kind, values, limit, where=None):
+        self._bound(kind, np.asarray(values, float), limit, where, lower=True)
+
+    def at_most(self, kind, values, limit, where=None):
+        self._bound(kind, np.asarray(values, float), limit, where, lower=False)
+
+    def _bound(self, kind, values, limit, where, lower):
+        """A bound at every tick; `where`: ticks that count. Not a number is a violation."""
+        ticks = np.arange(len(values)) if where is None else np.flatnonzero(where)
+        if len(ticks) == 0:
+            self.numbers[kind] = None
+            return
+        chosen = values[ticks]
+        bad = ~(chosen >= limit) if lower else ~(chosen <= limit)
+        worst = np.nanargmin(chosen) if lower and not np.isnan(chosen).all() else (0 if np.isnan(chosen).all() else np.nanargmax(chosen))
+        self.numbers[kind] = _json(chosen[worst])
+        if bad.any():
+            k = np.flatnonzero(bad)
+            worst = k[np.argmin(chosen[k])] if lower else k[np.argmax(chosen[k])]
+            self.violations[kind] = {
+                "kind": kind,
+                "tick": int(ticks[worst]),
+                "value": _json(chosen[worst]),
+                "limit": limit,
+                "count": int(bad.sum()),
+                "first": int(ticks[k[0]]),
+            }
+
+
+def _json(value):
+    return float(value) if np.isfinite(value) else str(value)
+
+
+def check(trace_file, model_file, profile_file, on="ideal", report=None):
+    """{"violations": [...], "numbers": {...}}"""
+    trace, robot = Trace(trace_file), Robot(model_file, profile_file)
+    found = Findings()
+    limit = ON_LIMITS[on]
+    profile, m = robot.profile, robot.m
+    n, dt = trace.ticks, profile["tick"]["period"]
+    t, segment = trace.number["t"], trace.number["segment"]
+    phase = np.array(trace.word["phase"])
+    q, v, target = trace.block("qpos_", m.nq), trace.block("qvel_", m.nv), trace.block("target_")
+    expected = [f"target_{name}" for name in robot.joint_names]
+    if [name for name in trace.names if name.startswith("target_")] != expected:
+        found.add("target_columns", 0, 0, "the joints in the order of the model")
+
+    # -- the table itself
+    numbers = [name for name in trace.number if not (name.startswith("zmp_") and on == "sim")]
+    finite = np.isfinite(np.stack([trace.number[name] for name in numbers], axis=1)).all(axis=1)
+    found.add("not_finite", np.flatnonzero(~finite), np.zeros((~finite).sum()), 0)
+    found.at_most("time", np.abs(t - dt * np.arange(n)), 1e-6)
+    unknown = ~np.isin(phase, PHASES)
+    found.add("phase_word", np.flatnonzero(unknown), np.zeros(unknown.sum()), 0)
+    if not finite.all() or unknown.any():
+        return _summary(found, trace, on)  # nothing else can be worked out
+    fallen = phase == "fallen"
+    if fallen.any():
+        found.add("fall", np.flatnonzero(fallen), t[fallen], 0)
+    up = ~fallen
+
+    motion = Motion(robot, q, v, dt)
+    contact = np.stack([trace.number[f"contact_{s}"] for s in SIDES], axis=1) > 0.5
+    touch = np.stack([trace.number[f"touch_{s}"] for s in SIDES], axis=1) > 0.5
+    load = np.stack([trace.number[f"force_{s}"] for s in SIDES], axis=1)
+    hold, double = phase == "hold", contact.all(axis=1)
+
+    # -- what is planned fits together
+    word = np.where(double, "double", np.where(contact[:, 0], "single_left", "single_right"))
+    wrong = (phase != word) & up & ~hold
+    found.add("phase_contact", np.flatnonzero(wrong), np.zeros(wrong.sum()), 0)
+    found.add("no_contact", np.flatnonzero(~contact.any(axis=1) & up), np.zeros(n), 0)
+    wrong = (hold != (segment < 0)) & up
+    found.add("segment_hold", np.flatnonzero(wrong), segment[wrong], -1)
+    running = segment[segment >= 0]
+    steps = np.diff(running)
+    wrong = ~np.isin(steps, (0, 1))
+    found.add("segment_order", np.flatnonzero(segment >= 0)[1:][wrong], steps[wrong], 1)
+    # A sole rises from double support and comes down to it: within a tick not both soles change.
+    wrong = (contact[1:] != contact[:-1]).all(axis=1)
+    found.add("both_soles_change", np.flatnonzero(wrong) + 1, np.zeros(wrong.sum()), 0)
+    wrong = (contact[1:] != contact[:-1]).any(axis=1) & hold[1:] & hold[:-1]
+    found.add("hold_contact", np.flatnonzero(wrong) + 1, np.zeros(wrong.sum()), 0)
+
+    # -- joints
+    angle, speed = q[:, robot.qadr], v[:, robot.dadr]
+    room = np.minimum(angle - robot.range[:, 0], robot.range[:, 1] - angle)
+    found.at_least("joint_range", room.min(axis=1), -limit["range"])
+    share = np.abs(speed) / robot.no_load
+    found.at_most("joint_speed", share.max(axis=1), profile["margin"]["speed"] * limit["speed"] + 1e-6)
+    stepwise = np.diff(angle, axis=0) / dt
+    found.at_most("joint_step", np.r_[0, (np.abs(stepwise) / robot.no_load).max(axis=1)], profile["margin"]["speed"] * limit["speed"] + 1e-6)
+    target_room = np.minimum(target - robot.range[:, 0], robot.range[:, 1] - target)
+    found.at_least("target_range", target_room.min(axis=1), -1e-9, up)
+    norm = np.abs(np.linalg.norm(q[:, robot.free + 3 : robot.free + 7], axis=1) - 1)
+    found.at_most("quaternion", norm, 1e-6)
+
+    # -- positions and speeds belong together, and the COM is where the trace says
+    com = trace.block("com_")[:, :3]
+    found.at_most("com_column", np.linalg.norm(com - motion.com, axis=1), 1e-6)
+    if on == "ideal":
+        found.at_most("consistency", np.r_[0, np.abs(stepwise - (speed[1:] + speed[:-1]) / 2).max(axis=1)], limit["consistency"])
+        root = np.diff(q[:, robot.free : robot.free + 3], axis=0) / dt
+        mean = (v[1:, :3] + v[:-1, :3]) / 2
+        found.at_most("root_consistency", np.r_[0, np.abs(root - mean).max(axis=1)], 0.05 * _length(profile))
+        found.at_most("target_followed", np.r_[0, np.abs(angle[1:] - target[:-1]).max(axis=1)], 1e-8)
+        found.at_most("momentum_consistency", np.abs(motion.total_force - motion.other_force).max(axis=1) / robot.mass, 4.0)
+
+    # -- forces: nothing pulls, nothing slips, nothing tips
+    points, valid, height = support(motion.corners, motion.com, contact)
+    inside = np.zeros(n, bool)
+    inside[1:-1] = True
+    inside &= up
+    true_zmp = zmp(motion.total_force, motion.total_moment, height)
+    if on == "ideal":
+        found.at_least("normal_force", motion.total_force[:, 2] / (robot.mass * 9.80665), 0.1, inside)
+        margin = hull_margin(points, valid, true_zmp)
+        found.at_least("zmp_inside", margin, 0.0, inside)
+        found.at_least("zmp_verified", margin, 0.9 * profile["margin"]["zmp_verify"], inside)
+        other = hull_margin(points, valid, zmp(motion.other_force, motion.other_moment, height))
+        found.at_least("zmp_from_speeds", other, 0.0, inside)
+        # Where phases meet, the ZMP should suit the soles of both.
+        meet = contact.copy()
+        meet[1:] &= contact[:-1]
+        meet[:-1] &= contact[1:]
+        strict = hull_margin(points, np.repeat(meet, 4, axis=1), true_zmp)
+        found.numbers["zmp_where_phases_meet"] = _json(strict[inside & meet.any(axis=1)].min())
+        slide = np.hypot(motion.total_force[:, 0], motion.total_force[:, 1]) / np.maximum(motion.total_force[:, 2], 1e-9)
+        found.at_most("friction", slide, profile["margin"]["friction"] + 0.02, inside)
+        planned = np.stack([trace.number["zmp_plan_x"], trace.number["zmp_plan_y"]], axis=1)
+        # At rest and where motions meet the ZMP may jump; at the very tick of the jump its place is a matter of taste.
+        smooth = inside.copy()
+        smooth[1:] &= segment[1:] == segment[:-1]
+        found.at_most("zmp_plan_column", np.linalg.norm(planned - true_zmp, axis=1), limit["zmp"] * _length(profile), smooth)
+        said = np.stack([trace.number["zmp_x"], trace.number["zmp_y"]], axis=1)
+        found.numbers["zmp_measured_inside"] = _json(hull_margin(points, valid, said)[inside].min())
+        found.numbers["zmp_measured_column"] = _json(np.linalg.norm(said - true_zmp, axis=1)[inside].max())
+        found.numbers["force_column"] = _json((np.abs(load.sum(axis=1) - motion.total_force[:, 2]) / (robot.mass * 9.80665))[inside].max())
+        _check_torque(found, robot, motion, contact, speed, q, dt, inside)
+
+    plan = trace.block("com_plan_")
+    if on == "ideal":
+        found.at_most("com_plan_column", np.linalg.norm(plan - motion.com, axis=1), limit["com"] * _length(profile), up)
+    else:
+        found.at_most("com_plan_column", np.linalg.norm(plan - motion.com, axis=1), limit["com"], up)
+
+    # -- soles
+    _check_soles(found, robot, motion, contact, hold, segment, limit, up, _length(profile))
+    least = profile["margin"]["self_collision"]
+    found.at_least("self_collision", motion.self_distance, least - limit["self"] * _length(profile), up)
+    worst = int(np.argmin(motion.self_distance))
+    found.numbers["self_collision_pair"] = " and ".join(m.geom(g).name for g in robot.pairs[motion.self_pair[worst]])
+    found.numbers["world_distance"] = _json(motion.world_distance.min())
+
+    # -- posture
+    lean = np.arccos(np.clip(motion.trunk[:, 2, 2], -1, 1))
+    found.at_most("trunk_inclination", lean, profile["region"]["trunk_inclination"] + limit["tilt"], up)
+    mean_height = np.where(contact, motion.corners[..., 2].mean(axis=2), 0).sum(axis=1) / np.maximum(contact.sum(axis=1), 1)
+    above = motion.com[:, 2] - mean_height
+    lo, hi = profile["region"]["com_height"]
+    found.numbers["com_height"] = [_json(above[up].min()), _json(above[up].max())]
+    slack = (2e-3 if on == "ideal" else 0.02) * _length(profile)
+    found.at_least("com_height_low", above, lo - slack, up & hold)
+    found.at_most("com_height_high", above, hi + slack, up & hold)
+
+    # -- at rest
+    settled = hold & up
+    if on == "ideal":
+        still = np.abs(v).max(axis=1)
+        settled[1:] &= hold[:-1]
+        found.at_most("rest_speed", still, limit["rest"], settled)
+        found.at_most("rest_step", np.r_[0, np.abs(np.diff(q, axis=0)).max(axis=1)], 1e-8, settled)
+        found.add("touch_contact", np.flatnonzero((touch != contact).any(axis=1) & up), np.zeros(n), 0)
+    else:
+        quiet = settled & (_since(hold) > int(0.5 / dt))
+        found.at_most("rest_speed", np.abs(speed).max(axis=1), limit["rest"], quiet)
+        found.numbers["standing_sole_touches"] = _json((touch & contact)[up].sum() / max(contact[up].sum(), 1))
+        found.at_least("touches", np.array([(touch & contact)[up].sum() / max(contact[up].sum(), 1)]), 0.9)
+        found.numbers["swing_sole_touches"] = _json((touch & ~contact)[up].sum() / max((~contact)[up].sum(), 1))
+        found.numbers["force_mean"] = _json(load.sum(axis=1)[up].mean() / (robot.mass * 9.80665))
+        found.numbers["tilt_deg"] = _json(np.degrees(lean.max()))
+    if report is not None:
+        _check_report(found, report, motion, robot, t, dt, fallen)
+    return _summary(found, trace, on)
+
+
+def _length(profile):
+    """Size of the robot against the one that the tolerances are written for."""
+    return profile["stance"]["com_height"] / 0.26
+
+
+def _since(flag):
+    """For how many ticks a flag has been up."""
+    index = np.arange(len(flag))
+    last = np.maximum.accumulate(np.where(~flag, index, -1))
+    return index - last
+
+
+def _check_torque(found, robot, motion, contact, speed, q, dt, inside):
+    """Motor torques where they are determined: in single support one sole carries all."""
+    acceleration = np.zeros_like(speed)
+    angle = q[:, robot.qadr]
+    acceleration[1:-1] = (angle[2:] - 2 * angle[1:-1] + angle[:-2]) / dt**2
+    single = contact.sum(axis=1) == 1
+    subtree = robot.subtree.astype(float)
+    force = np.einsum("jb,nbk->njk", subtree, motion.force)
+    moment = np.einsum("jb,nbk->njk", subtree, motion.moment)
+    for side in range(2):
+        place = list(robot.bodies).index(robot.foot_body[side])
+        carries = robot.subtree[:, place]
+        alone = single & contact[:, side]
+        force[:, carries] -= np.where(alone[:, None], motion.total_force, 0)[:, None]
+        moment[:, carries] -= np.where(alone[:, None], motion.total_moment, 0)[:, None]
+    anchor, axis = motion.anchor[:, robot.hinges], motion.axis[:, robot.hinges]
+    rigid = np.einsum("njk,njk->nj", axis, moment - np.cross(anchor, force)) + robot.armature * acceleration
+    motor = rigid + robot.damping * speed
+    # Arms carry nothing but themselves: their torques are known in double support too.
+    legs = robot.subtree[:, [list(robot.bodies).index(b) for b in robot.foot_body]].any(axis=1)
+    known = (single[:, None] | ~legs[None]) & inside[:, None]
+    found.at_most("motor_torque", np.where(known, np.abs(motor) / robot.stall, 0).max(axis=1), 1.0)
+    way_back = (np.abs(rigid) + robot.damping * np.abs(speed)) / robot.stall
+    found.at_most("motor_load", np.where(known, way_back, 0).max(axis=1), robot.profile["margin"]["torque"] + 0.02)
+
+
+def _check_soles(found, robot, motion, contact, hold, segment, limit, up, size):
+    n = len(contact)
+    corners = motion.corners
+    ground = Ground(robot)
+    slip, off, swing = np.zeros(n), np.zeros(n), np.full(n, np.inf)
+    for side in range(2):
+        stands = contact[:, side]
+        begins = stands & np.r_[True, ~stands[:-1]]
+        start = np.maximum.accumulate(np.where(begins, np.arange(n), 0))
+        moved = np.linalg.norm(corners[:, side] - corners[start, side], axis=2).max(axis=1)
+        slip = np.maximum(slip, np.where(stands, moved, 0))
+        outline = corners[:, side, :, :2]
+        highest, lowest = ground.heights(outline)
+        z = corners[:, side, :, 2]
+        off = np.maximum(off, np.where(stands, np.maximum(np.abs(z - highest[:, None]), np.abs(z - lowest[:, None])).max(axis=1), 0))
+        swing = np.where(~stands, np.minimum(swing, z.min(axis=1) - highest), swing)
+    found.at_most("sole_slip", slip, limit["slip"] * size, up)
+    found.at_most("sole_off_ground", off, limit["ground"] * size, up)
+    found.at_least("swing_above_ground", swing, -limit["swing"] * size, up & ~contact.all(axis=1))
+    gap = polygon_gap(corners[:, 0, :, :2], corners[:, 1, :, :2])
+    found.at_least("sole_gap", gap, robot.profile["region"]["sole_gap"] - limit["gap"] * size, up)
+    # A sole that stays up between two motions is nobody's surprise; one that never rises is.
+    lifted = np.zeros(n)
+    for side in range(2):
+        air = ~contact[:, side]
+        highest, _ = ground.heights(corners[:, side, :, :2])
+        lifted = np.maximum(lifted, np.where(air, corners[:, side, :, 2].min(axis=1) - highest, 0))
+    apex = []
+    for s in np.unique(segment[segment >= 0]):
+        part = segment == s
+        if (~contact[part]).any() and up[part].all():
+            apex.append(lifted[part].max())
+    found.numbers["least_apex"] = _json(min(apex)) if apex else None
+    # Footholds in their region, when both soles rest.
+    region = robot.profile["region"]
+    rest = hold & contact.all(axis=1) & up
+    site = np.stack([corners[:, side].mean(axis=1) for side in range(2)], axis=1)
+    ahead = [corners[:, side, 0] - corners[:, side, 1] for side in range(2)]
+    yaw = [np.arctan2(a[:, 1], a[:, 0]) for a in ahead]
+    between = np.abs((yaw[1] - yaw[0] + np.pi) % (2 * np.pi) - np.pi)
+    slack = limit["slip"] * 3
+    found.at_most("foot_yaw", between, region["foot_yaw"] + slack / 0.05, rest)
+    # The box's centre is the profile's sole centre plus a constant; distances between the soles are what counts.
+    delta = site[:, 0] - site[:, 1]
+    found.at_most("feet_apart", np.hypot(delta[:, 0], delta[:, 1]), np.hypot(region["foot_x"][1], region["foot_lateral"][1]) + 0.01 * size, rest)
+
+
+def _check_report(found, report, motion, robot, t, dt, fallen):
+    found.at_most("report_duration", np.array([abs(report["duration_s"] - (t[-1] + dt))]), 1e-6)
+    if bool(report["falls"]) != bool(fallen.any()):
+        found.add("report_falls", len(t) - 1, report["falls"], int(fallen.any()))
+    found.at_most("report_com", np.array([np.linalg.norm(np.array(report["final"]["com"]) - motion.com[-1])]), 1e-6)
+    given, moved = report["commands"]["given"], report["commands"]["moved"]
+    if not 0 <= moved <= given:
+        found.add("report_commands", 0, moved, given)
+
+
+def _summary(found, trace, on):
+    segments = trace.number["segment"]
+    segments = segments[np.isfinite(segments)]
+    return {
+        "on": on,
+        "ticks": trace.ticks,
+        "segments": int(segments.max()) + 1 if len(segments) else 0,
+        "violations": list(found.violations.values()),
+        "numbers": found.numbers,
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("trace")
+    parser.add_argument("--model", required=True)
+    parser.add_argument("--profile", required=True)
+    parser.add_argument("--on", choices=tuple(ON_LIMITS), default="ideal")
+    parser.add_argument("--report")
+    a = parser.parse_args()
+    try:
+        report = json.loads(pathlib.Path(a.report).read_text()) if a.report else None
+        summary = check(a.trace, a.model, a.profile, a.on, report)
+    except (OSError, ValueError, KeyError) as error:
+        print(f"check_trace: {error}", file=sys.stderr)
+        return 2
+    print(json.dumps(summary, indent=1))
+    return 1 if summary["violations"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
