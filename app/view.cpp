@@ -8,19 +8,12 @@
 namespace baton::app {
 namespace {
 
-ModelPtr compile(const std::string& text) {
-  std::array<char, 1000> message{};
-  const SpecPtr spec(mj_parseXMLString(text.c_str(), nullptr, message.data(), message.size()));
-  if (!spec) throw std::runtime_error(message.data());
-  return compile_model(*spec, "scene");
-}
-
 Pose in_world(const Pose& anchor, const Pose& pose) { return anchor * pose; }
 
 }  // namespace
 
 View::View(const Session& session, int port)
-    : scene_(compile(session.model_text())),
+    : scene_(compile_text(session.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
       cockpit_([&] {
         Cockpit::Parameters parameters;

@@ -45,6 +45,14 @@ ModelPtr compile_model(mjSpec& spec, const std::string& what) {
   return model;
 }
 
+ModelPtr compile_text(const std::string& mjcf, const std::string& what) {
+  install_mujoco_handlers();
+  std::array<char, 1000> message{};
+  const SpecPtr spec(mj_parseXMLString(mjcf.c_str(), nullptr, message.data(), message.size()));
+  if (!spec) throw InputError(fmt::format("{}: {}", what, message.data()));
+  return compile_model(*spec, what);
+}
+
 int find_id(const mjModel& model, mjtObj type, const std::string& name, const std::string& owner) {
   const int id = mj_name2id(&model, type, name.c_str());
   if (id < 0) throw InputError(fmt::format("{}: no {} named '{}'", owner, mju_type2Str(type), name));

@@ -32,6 +32,10 @@ void install_mujoco_handlers();
 /// @throws InputError the model does not compile; `what` names it in the message
 [[nodiscard]] ModelPtr compile_model(mjSpec& spec, const std::string& what);
 
+/// Compiles MJCF text.
+/// @throws InputError as above
+[[nodiscard]] ModelPtr compile_text(const std::string& mjcf, const std::string& what);
+
 /// Id of a named element, of type mjOBJ_*.
 /// @throws InputError no such element; the message names `owner`, the kind and the name
 [[nodiscard]] int find_id(const mjModel& model, mjtObj type, const std::string& name, const std::string& owner);

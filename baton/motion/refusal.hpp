@@ -28,6 +28,7 @@ enum class Reason {
   joint_torque,    ///< share of the stall torque over its limit [-]
   friction,        ///< tangential over normal contact force [-]
   self_collision,  ///< links closer than allowed [m]
+  obstacle,        ///< link nearer to something in the world than allowed [m]
   swing_ground,    ///< swing sole would touch the ground on its way [m]
   not_finite,      ///< a target or a result is not a number
 };
@@ -38,7 +39,7 @@ inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_fin
   constexpr std::array<std::string_view, kReasons> names{
       "foot_region", "foot_yaw",    "sole_gap",    "ground",      "com_height",   "trunk_inclination",
       "no_progress", "zmp",         "unreachable", "joint_limit", "joint_speed",  "joint_torque",
-      "friction",    "self_collision", "swing_ground", "not_finite"};
+      "friction",    "self_collision", "obstacle", "swing_ground", "not_finite"};
   return names[static_cast<std::size_t>(reason)];
 }
 

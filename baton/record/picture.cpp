@@ -129,6 +129,10 @@ const Image& Picture::draw(mjData& data, mjvCamera& camera) {
   const int marks = static_cast<int>(c.marks.size());
   if (c.scene.maxgeom < kModelGeoms + marks) mjv_makeScene(c.model.get(), &c.scene, kModelGeoms + marks);
   mjv_updateScene(c.model.get(), &data, &c.option, nullptr, &camera, mjCAT_ALL, &c.scene);
+  for (mjvGeom* geom = c.scene.geoms; geom != c.scene.geoms + c.scene.ngeom; ++geom) {
+    // A floor that cast a shadow would speckle itself far out, where depths are rounded.
+    if (geom->type == mjGEOM_PLANE) geom->category = mjCAT_DECOR;
+  }
   for (const mjvGeom& mark : c.marks) {
     if (c.scene.ngeom < c.scene.maxgeom) c.scene.geoms[c.scene.ngeom++] = mark;
   }

@@ -28,10 +28,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
       text_(world.compose(robot, parameters.timestep)),
       kinematics_(robot) {
   const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
-  std::array<char, 1000> message{};
-  const SpecPtr spec(mj_parseXMLString(text_.c_str(), nullptr, message.data(), message.size()));
-  if (!spec) throw InputError(fmt::format("{}: {}", owner, message.data()));
-  model_ = compile_model(*spec, owner);
+  model_ = compile_text(text_, owner);
   mjModel& m = *model_;
 
   const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);

@@ -14,6 +14,7 @@ bool has_upper_limit(Reason quantity) {
     case Reason::sole_gap:
     case Reason::joint_limit:
     case Reason::self_collision:
+    case Reason::obstacle:
     case Reason::swing_ground:
       return false;
     default:
@@ -67,7 +68,7 @@ class Verifier::Ledger {
 };
 
 Verifier::Verifier(const RobotModel& robot, const World& world)
-    : robot_(&robot), world_(&world), kinematics_(robot), tau_(VecX::Zero(robot.nv() - 6)) {}
+    : robot_(&robot), world_(&world), kinematics_(robot), obstacles_(robot, world), tau_(VecX::Zero(robot.nv() - 6)) {}
 
 void Verifier::check_joints(const MotionSample& sample, double t, Ledger& ledger) const {
   const double margin = robot_->profile().margin.joint;
@@ -116,10 +117,32 @@ void Verifier::check_soles(const MotionSample& sample, const Pose& anchor, doubl
   ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, kContact, t, -1);
 }
 
+void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) {
+  const Profile::Margin& margin = robot_->profile().margin;
+  const double near = 4.0 * margin.self_collision + 0.01;  // distances beyond are not measured
+  const auto subject = [](const std::array<int, 2>& pair, int geoms) {
+    return pair[0] < 0 ? -1 : pair[0] * geoms + pair[1];
+  };
+  std::array<int, 2> pair{-1, -1};
+  double distance = kinematics_.self_distance(near, &pair);
+  ledger.enter(Reason::self_collision, Part::trunk, distance, margin.self_collision, t, subject(pair, robot_->mj().ngeom));
+  in_world_ = sample.q;
+  const Pose root = anchor * kinematics_.body(1);
+  const Eigen::Quaterniond attitude(root.R);
+  in_world_.head<3>() = root.p;
+  in_world_.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  pair = {-1, -1};
+  distance = obstacles_.distance(in_world_, near, pair);
+  ledger.enter(Reason::obstacle, Part::trunk, distance, margin.self_collision, t, subject(pair, obstacles_.geoms()));
+}
+
 std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& anchor) {
   Ledger ledger;
   const auto name = [this](Reason quantity, int subject) -> std::string {
     if (subject < 0) return "";
+    if (quantity == Reason::obstacle) {
+      return fmt::format("{} and {}", obstacles_.name(subject / obstacles_.geoms()), obstacles_.name(subject % obstacles_.geoms()));
+    }
     if (quantity != Reason::self_collision) return robot_->joints()[static_cast<std::size_t>(subject)].name;
     const int n = robot_->mj().ngeom;
     return fmt::format("{} and {}", name_of(robot_->mj(), mjOBJ_GEOM, subject / n),
@@ -134,7 +157,6 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     check_joints(sample, k * motion.period, ledger);
     check_soles(sample, anchor, k * motion.period, ledger);
   }
-  const double near = 4.0 * robot_->profile().margin.self_collision + 0.01;  // distances beyond are not measured
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     const double t = k * motion.period;
@@ -143,10 +165,7 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     sample.zmp_height = support_plane(sample.sole, sample.contact);
     sample.zmp = ground_wrench(kinematics_, sample.force).zmp(sample.zmp_height);
     check_wrench(motion, k, t, ledger);
-    std::array<int, 2> pair{-1, -1};
-    const double distance = kinematics_.self_distance(near, &pair);
-    ledger.enter(Reason::self_collision, Part::trunk, distance, robot_->profile().margin.self_collision, t,
-                 pair[0] < 0 ? -1 : pair[0] * robot_->mj().ngeom + pair[1]);
+    check_distances(sample, anchor, t, ledger);
   }
   return ledger.result(name);
 }

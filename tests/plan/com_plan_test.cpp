@@ -105,7 +105,7 @@ TEST(ComPlan, KnotsAreTheNearestToTheirWishesThatReachTheGoal) {
     const ComPath path = com_path(problem, ticks, kPeriod);
     const std::size_t n = path.knots().size();
     // The two boundary rows by superposition: what a unit change of each knot does to the end.
-    const auto ends = [&](const std::vector<Vec3>& knots) {
+    const auto ends = [&](const std::vector<Vec3>& knots) -> Eigen::Vector2d {
       const ComState end = ComPath(problem.omega, path.times(), knots, Vec3::Zero(), Vec3::Zero()).at(path.duration());
       return Eigen::Vector2d(end.p.x(), end.dp.x() / problem.omega) * std::exp(-problem.omega * path.duration());
     };

@@ -1,0 +1,62 @@
+#include "baton/verify/obstacles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+
+Obstacles::Obstacles(const RobotModel& robot, const World& world) {
+  const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
+  model_ = compile_text(world.compose(robot, robot.profile().tick.period), owner);
+  const mjModel& m = *model_;
+  if (m.nq != robot.nq()) throw InputError(fmt::format("{}: something in the world has joints of its own", owner));
+  data_ = DataPtr(mj_makeData(&m));
+  mj_kinematics(&m, data_.get());
+  const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);
+  const BySide<std::string> feet{name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(Side::left)),
+                                 name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(Side::right))};
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0) continue;
+    const std::string body = name_of(m, mjOBJ_BODY, m.geom_bodyid[g]);
+    if (m.body_rootid[m.geom_bodyid[g]] != root) {
+      things_.push_back(g);
+    } else if (body != feet.left && body != feet.right) {
+      links_.push_back(g);
+    }
+  }
+}
+
+double Obstacles::least_distance(int geom, const Vec3& point) const {
+  const Vec3 centre = Eigen::Map<const Vec3>(data_->geom_xpos + 3 * geom);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(data_->geom_xmat + 9 * geom);
+  const Vec3 local = axes.transpose() * (point - centre);
+  const Vec3 size = Eigen::Map<const Vec3>(model_->geom_size + 3 * geom);
+  switch (model_->geom_type[geom]) {
+    case mjGEOM_PLANE: return local.z();
+    case mjGEOM_BOX: return (local.cwiseAbs() - size).cwiseMax(0.0).norm();
+    default: return local.norm() - model_->geom_rbound[geom];
+  }
+}
+
+double Obstacles::distance(const VecX& q, double limit, std::array<int, 2>& geoms) {
+  mju_copy(data_->qpos, q.data(), model_->nq);
+  mj_kinematics(model_.get(), data_.get());
+  double least = limit;
+  for (const int link : links_) {
+    const Vec3 centre = Eigen::Map<const Vec3>(data_->geom_xpos + 3 * link);
+    for (const int thing : things_) {
+      if (least_distance(thing, centre) - model_->geom_rbound[link] >= least) continue;
+      const double distance = mj_geomDistance(model_.get(), data_.get(), link, thing, least, nullptr);
+      if (distance < least) {
+        least = distance;
+        geoms = {link, thing};
+      }
+    }
+  }
+  return least;
+}
+
+}  // namespace baton
