@@ -7,8 +7,7 @@
 namespace baton {
 namespace {
 
-constexpr int kHardRows = 15;  ///< soles 2 × 6, COM 3
-constexpr int kMostRows = 30;  ///< and trunk 3, hands 2 × 6
+constexpr int kMostRows = 30;  ///< soles 2 × 6, COM 3, trunk 3, hands 2 × 6
 
 }  // namespace
 
@@ -60,7 +59,7 @@ InverseKinematics::InverseKinematics(const RobotModel& robot, Parameters paramet
 
 InverseKinematics::~InverseKinematics() = default;
 
-void InverseKinematics::linearise(const IkTargets& targets, IkResult& result) {
+void InverseKinematics::measure(const IkTargets& targets, IkResult& result) {
   Workspace& w = *w_;
   const Kinematics& k = kinematics_;
   w.rows = 0;
@@ -80,38 +79,46 @@ void InverseKinematics::linearise(const IkTargets& targets, IkResult& result) {
     w.rows += 3;
     return norm;
   };
-  const auto rows = [&](int first) { return w.J.middleRows(first, 3); };
-
-  IkResidual residual;
+  IkResidual& r = result.residual;
+  r = {};
   for (const Side side : kSides) {
-    const int body = robot_->foot_body(side);
     const Pose sole = k.sole(side);
-    k.point_jacobian(body, sole.p, rows(w.rows));
-    residual.sole_position = std::max(
-        residual.sole_position, add(targets.sole[side].p - sole.p, parameters_.hard_damping, false));
-    k.rotation_jacobian(body, rows(w.rows));
-    residual.sole_rotation =
-        std::max(residual.sole_rotation,
-                 add(rotation_error(targets.sole[side].R, sole.R), parameters_.hard_damping, false));
+    const double hard = parameters_.hard_damping;
+    r.sole_position = std::max(r.sole_position, add(targets.sole[side].p - sole.p, hard, false));
+    r.sole_rotation = std::max(r.sole_rotation, add(rotation_error(targets.sole[side].R, sole.R), hard, false));
   }
-  k.com_jacobian(rows(w.rows));
-  residual.com = add(targets.com - k.com(), parameters_.hard_damping, false);
-  k.rotation_jacobian(robot_->trunk_body(), rows(w.rows));
-  residual.trunk = add(rotation_error(targets.trunk, k.trunk().R), parameters_.trunk_damping, true);
+  r.com = add(targets.com - k.com(), parameters_.hard_damping, false);
+  r.trunk = add(rotation_error(targets.trunk, k.trunk().R), parameters_.trunk_damping, true);
   for (const Side side : kSides) {
     if (!targets.hand[side]) continue;
-    const int body = robot_->hand_body(side);
     const Pose hand = k.hand(side);
-    k.point_jacobian(body, hand.p, rows(w.rows));
-    residual.hand =
-        std::max(residual.hand, add(targets.hand[side]->p - hand.p, parameters_.hand_damping, true));
-    if (!robot_->hand_has_attitude(side)) continue;
-    k.rotation_jacobian(body, rows(w.rows));
-    add(rotation_error(targets.hand[side]->R, hand.R), parameters_.hand_damping, true);
+    r.hand = std::max(r.hand, add(targets.hand[side]->p - hand.p, parameters_.hand_damping, true));
+    if (robot_->hand_has_attitude(side)) {
+      add(rotation_error(targets.hand[side]->R, hand.R), parameters_.hand_damping, true);
+    }
   }
   w.e.conservativeResize(w.rows);
   w.R.conservativeResize(w.rows);
-  result.residual = residual;
+}
+
+void InverseKinematics::linearise(const IkTargets& targets) {
+  const Kinematics& k = kinematics_;
+  int row = 0;
+  const auto next = [&] {
+    row += 3;
+    return w_->J.middleRows(row - 3, 3);
+  };
+  for (const Side side : kSides) {
+    k.point_jacobian(robot_->foot_body(side), k.sole(side).p, next());
+    k.rotation_jacobian(robot_->foot_body(side), next());
+  }
+  k.com_jacobian(next());
+  k.rotation_jacobian(robot_->trunk_body(), next());
+  for (const Side side : kSides) {
+    if (!targets.hand[side]) continue;
+    k.point_jacobian(robot_->hand_body(side), k.hand(side).p, next());
+    if (robot_->hand_has_attitude(side)) k.rotation_jacobian(robot_->hand_body(side), next());
+  }
 }
 
 void InverseKinematics::free_step() {
@@ -178,7 +185,7 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
 
   IkResult result;
   kinematics_.set(q);
-  linearise(targets, result);
+  measure(targets, result);
   for (; result.iterations < iterations; ++result.iterations) {
     w.dq_ref.setZero();
     for (int j = 0; j < n; ++j) {
@@ -204,6 +211,7 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
         std::max(r.trunk, r.hand) < 10.0 * parameters_.tolerance) {
       break;
     }
+    linearise(targets);
     free_step();
     result.bound_joint = -1;
     for (int j = 0; j < n && result.bound_joint < 0; ++j) {
@@ -213,7 +221,7 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
     integrate(*robot_, q, w.dq, 1.0);
     for (int j = 0; j < n; ++j) q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
     kinematics_.set(q);
-    linearise(targets, result);
+    measure(targets, result);
   }
   return result;
 }

@@ -72,7 +72,10 @@ class InverseKinematics {
  private:
   struct Workspace;
 
-  void linearise(const IkTargets& targets, IkResult& result);
+  /// Errors of all tasks where the links are now.
+  void measure(const IkTargets& targets, IkResult& result);
+  /// Jacobians of the same tasks, in the same order.
+  void linearise(const IkTargets& targets);
   void free_step();
   void bounded_step();
 

@@ -14,10 +14,20 @@ Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeD
 void Kinematics::set(const VecX& q) {
   mju_copy(data_->qpos, q.data(), robot_->nq());
   mj_kinematics(&robot_->mj(), data_.get());
-  mj_comPos(&robot_->mj(), data_.get());
+  prepared_ = false;
 }
 
-Vec3 Kinematics::com() const { return vec3(data_->subtree_com); }
+void Kinematics::prepare() const {
+  if (!prepared_) mj_comPos(&robot_->mj(), data_.get());
+  prepared_ = true;
+}
+
+Vec3 Kinematics::com() const {
+  const mjModel& m = robot_->mj();
+  Vec3 moment = Vec3::Zero();
+  for (int b = 1; b < m.nbody; ++b) moment += m.body_mass[b] * vec3(data_->xipos + 3 * b);
+  return moment / robot_->mass();
+}
 
 Pose Kinematics::body(int id) const {
   return {vec3(data_->xpos + 3 * id),
@@ -30,6 +40,7 @@ Kinematics::Axis Kinematics::dof_axis(int dof) const {
 }
 
 void Kinematics::com_jacobian(Eigen::Ref<JacobianRows> rows) const {
+  prepare();
   const mjModel& m = robot_->mj();
   const Vec3 origin = vec3(data_->subtree_com + 3);
   for (int i = 0; i < m.nv; ++i) {
@@ -41,6 +52,7 @@ void Kinematics::com_jacobian(Eigen::Ref<JacobianRows> rows) const {
 }
 
 void Kinematics::point_jacobian(int body, const Vec3& point, Eigen::Ref<JacobianRows> rows) const {
+  prepare();
   rows.setZero();
   const Vec3 lever = point - vec3(data_->subtree_com + 3);
   for (const int i : robot_->dofs_to(body)) {
@@ -50,6 +62,7 @@ void Kinematics::point_jacobian(int body, const Vec3& point, Eigen::Ref<Jacobian
 }
 
 void Kinematics::rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) const {
+  prepare();
   rows.setZero();
   for (const int i : robot_->dofs_to(body)) rows.col(i) = vec3(data_->cdof + 6 * i);
 }
@@ -57,6 +70,7 @@ void Kinematics::rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) cons
 void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force) {
   const mjModel& m = robot_->mj();
   set(q);
+  prepare();
   mju_copy(data_->qvel, dq.data(), m.nv);
   mju_copy(data_->qacc, ddq.data(), m.nv);
   mj_comVel(&m, data_.get());

@@ -48,8 +48,12 @@ class Kinematics {
   [[nodiscard]] double self_distance(double limit, std::array<int, 2>* geoms = nullptr) const;
 
  private:
+  /// MuJoCo's preparation for Jacobians, put off until one is asked for.
+  void prepare() const;
+
   const RobotModel* robot_;
   DataPtr data_;
+  mutable bool prepared_ = false;
 };
 
 /// q ⊕ dq·dt: integrates a velocity (nv) over a time.

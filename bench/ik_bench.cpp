@@ -1,0 +1,59 @@
+// Inverse kinematics on a walk and a reach, as the planner realises them: one solve a tick.
+#include <fmt/format.h>
+
+#include "app/session.hpp"
+#include "baton/ik/inverse_kinematics.hpp"
+#include "baton/plan/segment.hpp"
+#include "bench/bench.hpp"
+
+namespace baton::bench {
+
+std::vector<Row> bench_ik() {
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("flat");
+  app::Session session(robot, world, app::Session::On::ideal);
+  struct Recorded {
+    Posture from;
+    Motion motion;
+  };
+  std::vector<Recorded> recorded;
+  session.on_plan = [&](const PlanRecord& record) {
+    if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
+      recorded.push_back({record.problem.context.from, *motion});
+    }
+  };
+  while (session.t() < 20.0) {
+    Command command;
+    command.guide = session.t() < 14.0 ? Part::trunk : Part::left_hand;
+    command.axes[0] = 1.0;
+    if (command.guide == Part::left_hand) command.axes[2] = 0.5;
+    session.step(command);
+  }
+  InverseKinematics ik(robot);
+  Row walk{"ik: a solve on a walk", {}, ""};
+  Row reach{"ik: a solve on a reach", {}, ""};
+  for (Row* row : {&walk, &reach}) {
+    double worst = 0.0;
+    for (const auto& [from, motion] : recorded) {
+      if ((row == &reach) != (motion.goal.guided == Part::left_hand)) continue;
+      const Segment segment(robot, from, motion.goal);
+      VecX before = from.q;
+      VecX previous = from.q;
+      for (int k = 1; k <= motion.ticks(); ++k) {
+        const IkTargets targets = segment.targets(motion.com, k, motion.ticks());
+        VecX q = previous;
+        q.tail(robot.nv() - 6) += (previous - before).tail(robot.nv() - 6);
+        q.head<3>() += (previous - before).head<3>();
+        IkResult result;
+        time(*row, [&] { result = ik.solve(targets, previous, motion.period, q, 3); });
+        worst = std::max({worst, result.residual.com, result.residual.sole_position});
+        before = previous;
+        previous = q;
+      }
+    }
+    row->remark = fmt::format("worst residual of feet and COM {:.1e} m", worst);
+  }
+  return {walk, reach};
+}
+
+}  // namespace baton::bench

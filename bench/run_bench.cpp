@@ -1,0 +1,32 @@
+// Whole runs: a tick of the navigator, a whole planning request, and physics with control against real time.
+#include <fmt/format.h>
+
+#include "app/session.hpp"
+#include "bench/bench.hpp"
+
+namespace baton::bench {
+
+std::vector<Row> bench_run() {
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("room");
+  app::Session session(robot, world, app::Session::On::sim);
+  Row tick{"navigate: a tick", {}, ""};
+  Row plan{"plan: a committed segment, verified whole", {}, "guide, durations, ik and verification at every tick"};
+  session.on_tick = [&](const TickRecord& record) { tick.us.push_back(record.tick_us); };
+  session.on_plan = [&](const PlanRecord& record) {
+    if (std::holds_alternative<Motion>(record.result.outcome)) plan.us.push_back(record.plan_us);
+  };
+  const double before = cpu_us();
+  const double seconds = 30.0;
+  while (session.t() < seconds) {
+    Command command;
+    const int part = static_cast<int>(session.t() / 6.0);
+    command.axes[part % 2] = part < 3 ? 1.0 : -1.0;
+    session.step(command);
+  }
+  Row sim{"sim: a second of physics with control", {(cpu_us() - before) / seconds}, ""};
+  sim.remark = fmt::format("{:.0f} x real time", 1e6 / sim.us.front());
+  return {tick, plan, sim};
+}
+
+}  // namespace baton::bench
