@@ -27,7 +27,8 @@ const double kOmega = std::sqrt(9.81 / kComHeight);                        ///< 
 
 /// One step of the right foot.
 struct Step {
-  double left = 0.0, right = 0.0, landing = 0.0;  ///< y of the left foot, of the right one before and after [m]
+  double left = 0.0, right = 0.0,
+         landing = 0.0;  ///< y of the left foot, of the right one before and after [m]
 
   [[nodiscard]] double start() const { return 0.5 * (left + right); }
   [[nodiscard]] double goal() const { return 0.5 * (left + landing); }
@@ -49,13 +50,17 @@ ComProblem problem_of(const Step& step) {
     std::vector<Vec2> soles;
     for (const double y : step.standing(i)) {
       for (const double x : {-kSoleHalfLength, kSoleHalfLength}) {
-        for (const double side : {-kSoleHalfWidth, kSoleHalfWidth}) soles.emplace_back(x, y + side);
+        for (const double side : {-kSoleHalfWidth, kSoleHalfWidth})
+          soles.emplace_back(x, y + side);
       }
     }
     problem.phases.push_back({kShares[i], ConvexPolygon::hull(soles)});
   }
   const double lift = kShares[0];
-  problem.knots = {{0.0, problem.p0, 1.0}, {lift, at(step.left), 1.0}, {lift + kShares[1], at(step.left), 1.0}, {1.0, problem.goal, 1.0}};
+  problem.knots = {{0.0, problem.p0, 1.0},
+                   {lift, at(step.left), 1.0},
+                   {lift + kShares[1], at(step.left), 1.0},
+                   {1.0, problem.goal, 1.0}};
   return problem;
 }
 
@@ -73,7 +78,8 @@ Check integrate(const Step& step, const ComPath& path) {
   const std::vector<double>& times = path.times();
   const auto v = [&](double t) {
     std::size_t k = 0;
-    while (k + 2 < times.size() && t > times[k + 1]) ++k;
+    while (k + 2 < times.size() && t > times[k + 1])
+      ++k;
     const double s = (t - times[k]) / (times[k + 1] - times[k]);
     return (1.0 - s) * path.knots()[k].y() + s * path.knots()[k + 1].y();
   };
@@ -105,7 +111,8 @@ Check integrate(const Step& step, const ComPath& path) {
 
 nlohmann::json knots_of(const ComPath& path) {
   nlohmann::json knots = nlohmann::json::array();
-  for (const Vec3& knot : path.knots()) knots.push_back(knot.y());
+  for (const Vec3& knot : path.knots())
+    knots.push_back(knot.y());
   return knots;
 }
 
@@ -116,19 +123,22 @@ void show(Panel& panel, const Step& step, const ComPath& path, double t0, Stroke
   for (std::size_t i = 0; i < kShares.size(); ++i) {
     const std::vector<double> feet = step.standing(i);
     const auto add = [&](const char* name, double low, double high, const char* colour) {
-      panel.areas.push_back(band(name, {t0 + times[i], low - kSoleHalfWidth}, {t0 + times[i + 1], high + kSoleHalfWidth}, colour, 1.0));
+      panel.areas.push_back(band(name, {t0 + times[i], low - kSoleHalfWidth},
+                                 {t0 + times[i + 1], high + kSoleHalfWidth}, colour, 1.0));
     };
-    add("between them", *std::min_element(feet.begin(), feet.end()), step.left, "#eeeeee");
+    add("support polygon", *std::min_element(feet.begin(), feet.end()), step.left, "#eeeeee");
     add("left sole", step.left, step.left, "#cfe5f3");
     if (feet.size() > 1) add("right sole", feet[1], feet[1], "#f6e0b5");
   }
   const bool first = panel.series.empty();
   const auto moved = [t0](std::vector<Vec2> points) {
-    for (Vec2& point : points) point.x() += t0;
+    for (Vec2& point : points)
+      point.x() += t0;
     return points;
   };
   std::vector<Vec2> knots;
-  for (std::size_t k = 0; k < times.size(); ++k) knots.emplace_back(t0 + times[k], path.knots()[k].y());
+  for (std::size_t k = 0; k < times.size(); ++k)
+    knots.emplace_back(t0 + times[k], path.knots()[k].y());
   panel.series.push_back({first ? "COM" : "", moved(check.com), stroke, palette::kBlue, 2.0});
   panel.series.push_back({first ? "ZMP" : "", moved(check.zmp), stroke, palette::kVermilion, 2.0});
   panel.series.push_back({"", knots, Stroke::points, palette::kVermilion, 3.0});
@@ -137,7 +147,8 @@ void show(Panel& panel, const Step& step, const ComPath& path, double t0, Stroke
 }  // namespace
 
 int reproduce_fig8(const std::filesystem::path& out) {
-  const std::array<Step, 2> steps{Step{kFoot, -kFoot, -kFoot - kStride}, Step{kFoot, -kFoot - kStride, -kFoot - 2 * kStride}};
+  const std::array<Step, 2> steps{Step{kFoot, -kFoot, -kFoot - kStride},
+                                  Step{kFoot, -kFoot - kStride, -kFoot - 2 * kStride}};
   std::array<ComPlan, 2> plans;
   nlohmann::json segments = nlohmann::json::array();
   bool verified = true;
@@ -146,21 +157,26 @@ int reproduce_fig8(const std::filesystem::path& out) {
     const Check check = integrate(steps[i], plans[i].path);
     const bool passed = plans[i].feasible && check.at_rest && check.outside == 0.0;
     verified = verified && passed;
-    segments.push_back({{"T", plans[i].ticks * kPeriod}, {"knots_y", knots_of(plans[i].path)}, {"verified", passed}});
+    segments.push_back(
+        {{"T", plans[i].ticks * kPeriod}, {"knots_y", knots_of(plans[i].path)}, {"verified", passed}});
     spdlog::info("step {}: T = {:.1f} s after {} tries", i + 1, plans[i].ticks * kPeriod, plans[i].tried);
   }
-  const ComPath hasty = com_path(problem_of(steps[1]), static_cast<int>(std::lround(kFirst / kPeriod)), kPeriod);
+  const ComPath hasty =
+      com_path(problem_of(steps[1]), static_cast<int>(std::lround(kFirst / kPeriod)), kPeriod);
   const nlohmann::json summary = {
       {"segments", segments},
-      {"uncorrected", {{"T", kFirst}, {"knots_y", knots_of(hasty)}, {"zmp_outside_m", integrate(steps[1], hasty).outside}}}};
+      {"uncorrected",
+       {{"T", kFirst}, {"knots_y", knots_of(hasty)}, {"zmp_outside_m", integrate(steps[1], hasty).outside}}}};
 
   const double second = plans[0].path.duration();
   const double end = second + plans[1].path.duration();
   std::array<Panel, 2> panels;
-  panels[0].title = fmt::format("Second step not corrected, T = {:.1f} s: the ZMP leaves the left sole", kFirst);
+  panels[0].title =
+      fmt::format("Second step not corrected, T = {:.1f} s: the ZMP leaves the left sole", kFirst);
   show(panels[0], steps[0], plans[0].path, 0.0, Stroke::dashed);
   show(panels[0], steps[1], hasty, second, Stroke::dashed);
-  panels[1].title = fmt::format("Duration corrected, T = {:.1f} s: the ZMP stays inside", plans[1].path.duration());
+  panels[1].title =
+      fmt::format("Duration corrected, T = {:.1f} s: the ZMP stays inside", plans[1].path.duration());
   show(panels[1], steps[0], plans[0].path, 0.0, Stroke::solid);
   show(panels[1], steps[1], plans[1].path, second, Stroke::solid);
   for (Panel& panel : panels) {

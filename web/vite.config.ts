@@ -1,6 +1,6 @@
 import { defineConfig } from 'vite';
 
-/** `npm run dev` shows the page from its sources and asks a running `baton drive --input page` for the rest. */
+/** `npm run dev` shows the page from its sources and asks a running `baton drive` for the rest. */
 const program = process.env.BATON_URL ?? 'http://127.0.0.1:8080';
 
 export default defineConfig({

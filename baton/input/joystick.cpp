@@ -126,6 +126,7 @@ Command Joystick::read(double t) {
   if (handle_ && SDL_JoystickGetAttached(handle_->joystick()) == SDL_FALSE) {
     handle_.reset();
     controls_ = {};
+    lever_known_ = {};
     arming_.update(false, false);
   }
   if (!handle_) find();
@@ -135,7 +136,14 @@ Command Joystick::read(double t) {
     controls_ = newest;
     changed_ = t;
   }
-  const Command command = command_of(controls_);
+  Command command = command_of(controls_);
+  if (std::holds_alternative<Av8rState>(controls_)) {
+    // A lever stays where it is left: it counts from when it was pulled back once.
+    for (const Side side : kSides) {
+      lever_known_[side] = lever_known_[side] || command.lift[side] == 0.0;
+      if (!lever_known_[side]) command.lift[side] = 0.0;
+    }
+  }
   const bool rests = at_rest(command);
   arming_.update(handle_ && (rests || age() <= parameters_.max_age), rests);
   if (!arming_.armed()) return neutral(guide_);
@@ -161,7 +169,7 @@ DeviceStatus Joystick::status() const {
       break;
     case Arming::State::waiting:
       status.hint = std::holds_alternative<PadState>(controls_) ? "Let go of every control, triggers too."
-                                                                : "Let go of every control, levers at zero.";
+                                                                : "Let go of stick and switches.";
       break;
     case Arming::State::armed:
       if (dead_man_released()) status.hint = "Hold the left shoulder button to move.";

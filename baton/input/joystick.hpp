@@ -17,7 +17,7 @@ namespace baton {
 
 /// The first usable device that SDL sees: an AV8R (by its USB id, or any stick with its layout) or a pad that
 /// SDL has a game-controller mapping for. It is kept until it goes; then the next one is taken. Its commands
-/// count once every control was at rest, levers and triggers too. While none counts, the command is neutral
+/// count once every control was at rest, triggers too; a lever counts once it was pulled back. While none counts, the command is neutral
 /// for the part guided last.
 ///
 /// Needs no display and no thread of its own. One thread calls `read`.
@@ -65,6 +65,7 @@ class Joystick : public Device {
   Controls controls_;         ///< newest
   double now_ = 0.0;          ///< time of the last read [s]
   double changed_ = 0.0;      ///< time at which the controls last changed [s]
+  BySide<bool> lever_known_;  ///< an AV8R's lever was seen pulled back
   Side side_ = Side::left;    ///< chosen last on an AV8R
   Part guide_ = Part::trunk;  ///< guided last
 };

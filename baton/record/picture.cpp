@@ -10,8 +10,8 @@
 namespace baton {
 namespace {
 
-constexpr int kLargest = 8192;       ///< [px]
-constexpr int kModelGeoms = 4000;    ///< room in the scene for the model's own
+constexpr int kLargest = 8192;     ///< [px]
+constexpr int kModelGeoms = 4000;  ///< room in the scene for the model's own
 
 mjvGeom plain_geom(mjtGeom type, const std::array<double, 3>& size, const Vec3& at, const Colour& colour) {
   mjvGeom geom{};
@@ -29,7 +29,8 @@ mjvGeom plain_geom(mjtGeom type, const std::array<double, 3>& size, const Vec3& 
 struct Picture::Canvas {
   Canvas(const mjModel& original, int width, int height) {
     if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
-      throw std::invalid_argument(fmt::format("picture of {} x {} pixels: each must be 1 to {}", width, height, kLargest));
+      throw std::invalid_argument(
+          fmt::format("picture of {} x {} pixels: each must be 1 to {}", width, height, kLargest));
     }
     install_mujoco_handlers();
     model.reset(mj_copyModel(nullptr, &original));
@@ -48,7 +49,8 @@ struct Picture::Canvas {
       mjv_makeScene(model.get(), &scene, kModelGeoms);
       mjr_makeContext(model.get(), &context, mjFONTSCALE_100);
       mjr_setBuffer(mjFB_OFFSCREEN, &context);
-      if (context.currentBuffer != mjFB_OFFSCREEN) throw std::runtime_error("picture: OSMesa has no off-screen buffer");
+      if (context.currentBuffer != mjFB_OFFSCREEN)
+        throw std::runtime_error("picture: OSMesa has no off-screen buffer");
     } catch (...) {
       free();
       throw;
@@ -66,7 +68,8 @@ struct Picture::Canvas {
   }
 
   void free() {
-    if (OSMesaMakeCurrent(gl, window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) == GL_TRUE) mjr_freeContext(&context);
+    if (OSMesaMakeCurrent(gl, window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) == GL_TRUE)
+      mjr_freeContext(&context);
     mjv_freeScene(&scene);
     OSMesaDestroyContext(gl);
   }
@@ -82,7 +85,8 @@ struct Picture::Canvas {
   Image image;
 };
 
-Picture::Picture(const mjModel& model, int width, int height) : canvas_(std::make_unique<Canvas>(model, width, height)) {}
+Picture::Picture(const mjModel& model, int width, int height)
+    : canvas_(std::make_unique<Canvas>(model, width, height)) {}
 Picture::~Picture() = default;
 Picture::Picture(Picture&&) noexcept = default;
 Picture& Picture::operator=(Picture&&) noexcept = default;
@@ -98,11 +102,14 @@ void Picture::add_line(const Vec3& from, const Vec3& to, double radius, const Co
 }
 
 void Picture::add_path(std::span<const Vec3> points, double radius, const Colour& colour, bool closed) {
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) add_line(points[i], points[i + 1], radius, colour);
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    add_line(points[i], points[i + 1], radius, colour);
   if (closed && points.size() > 2) add_line(points.back(), points.front(), radius, colour);
 }
 
-void Picture::clear_marks() { canvas_->marks.clear(); }
+void Picture::clear_marks() {
+  canvas_->marks.clear();
+}
 
 const Image& Picture::render(mjData& data, const std::string& camera) {
   mjvCamera view;
@@ -147,8 +154,12 @@ const Image& Picture::draw(mjData& data, mjvCamera& camera) {
   return c.image;
 }
 
-const Image& Picture::image() const { return canvas_->image; }
+const Image& Picture::image() const {
+  return canvas_->image;
+}
 
-void Picture::save(const std::filesystem::path& file) const { save_png(file, canvas_->image); }
+void Picture::save(const std::filesystem::path& file) const {
+  save_png(file, canvas_->image);
+}
 
 }  // namespace baton

@@ -1,4 +1,5 @@
-/// Pictures of a robot in its world, drawn off screen in software (MuJoCo's renderer on OSMesa; no display, no GPU).
+/// Pictures of a robot in its world, drawn off screen in software (MuJoCo's renderer on OSMesa; no display,
+/// no GPU).
 #pragma once
 
 #include <array>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "baton/model/error.hpp"
@@ -16,16 +17,15 @@ namespace {
 constexpr double kLeft = 70.0, kRight = 18.0, kTitle = 26.0, kLegend = 20.0, kBelow = 46.0;  ///< [px]
 
 std::string escaped(const std::string& text) {
+  static const std::map<char, const char*> entities{
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&apos;"}};
   std::string out;
   for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&apos;"; break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;  // XML has no others
+    const auto entity = entities.find(c);
+    if (entity != entities.end()) {
+      out += entity->second;
+    } else if (static_cast<unsigned char>(c) >= 0x20) {  // XML has few others
+      out += c;
     }
   }
   return out;
@@ -78,9 +78,12 @@ Axis axis_over(const std::vector<double>& values, const std::optional<Range>& gi
 }
 
 std::string number(double value, double step) {
+  if (std::abs(value) < 0.5 * step) return "0";
+  const double size = std::abs(value);
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  const std::string text = fmt::format("{:.{}f}", std::abs(value), decimals);
-  return value < -0.5 * step ? "\u2212" + text : text;
+  const bool plain = decimals <= 4 && size < 1e6;
+  return (value < 0 ? "\u2212" : "") +
+         (plain ? fmt::format("{:.{}f}", size, decimals) : fmt::format("{:.4g}", size));
 }
 
 /// The lines and the points of one panel.
@@ -95,8 +98,10 @@ class Drawing {
         ys.push_back(point.y());
       }
     };
-    for (const Area& area : panel.areas) take(area.outline);
-    for (const Series& series : panel.series) take(series.points);
+    for (const Area& area : panel.areas)
+      take(area.outline);
+    for (const Series& series : panel.series)
+      take(series.points);
     x_ = axis_over(xs, panel.x_range);
     y_ = axis_over(ys, panel.y_range);
     x_.begin = kLeft;
@@ -117,25 +122,33 @@ class Drawing {
 
   [[nodiscard]] std::string svg() {
     const double w = x_.end - x_.begin;
-    std::string out = fmt::format("<g>\n<clipPath id=\"box{}\"><rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/></clipPath>\n",
-                                  index_, x_.begin, y_.end, w, panel_.height);
-    out += fmt::format("<text class=\"title\" x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n", x_.begin, top_ + 17, escaped(panel_.title));
+    std::string out = fmt::format(
+        "<g>\n<clipPath id=\"box{}\"><rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" "
+        "height=\"{:.2f}\"/></clipPath>\n",
+        index_, x_.begin, y_.end, w, panel_.height);
+    out += fmt::format("<text class=\"title\" x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n", x_.begin, top_ + 17,
+                       escaped(panel_.title));
     out += legend_;
     std::string labels;
     const double sx = x_.tick_step(80);
     for (double tick = std::ceil(x_.lo / sx - 1e-9) * sx; tick <= x_.hi + 1e-9 * sx; tick += sx) {
-      out += fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}V{2:.2f}\"/>", x_.at(tick), y_.end, y_.begin);
-      labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", x_.at(tick), y_.begin + 16, number(tick, sx));
+      out +=
+          fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}V{2:.2f}\"/>", x_.at(tick), y_.end, y_.begin);
+      labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", x_.at(tick),
+                            y_.begin + 16, number(tick, sx));
     }
     const double sy = y_.tick_step(34);
     for (double tick = std::ceil(y_.lo / sy - 1e-9) * sy; tick <= y_.hi + 1e-9 * sy; tick += sy) {
-      out += fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}H{2:.2f}\"/>", x_.begin, y_.at(tick), x_.end);
-      labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"end\">{}</text>\n", x_.begin - 7, y_.at(tick) + 4, number(tick, sy));
+      out +=
+          fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}H{2:.2f}\"/>", x_.begin, y_.at(tick), x_.end);
+      labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"end\">{}</text>\n", x_.begin - 7,
+                            y_.at(tick) + 4, number(tick, sy));
     }
     out += fmt::format("\n<g clip-path=\"url(#box{})\">\n", index_);
     for (const Area& area : panel_.areas) {
-      out += fmt::format("<path fill=\"{0}\" fill-opacity=\"{1:.3f}\" stroke=\"{2}\" d=\"{3}Z\"/>\n", escaped(area.colour), area.opacity,
-                         area.edge ? escaped(area.colour) : "none", path(area.outline));
+      out += fmt::format("<path fill=\"{0}\" fill-opacity=\"{1:.3f}\" stroke=\"{2}\" d=\"{3}Z\"/>\n",
+                         escaped(area.colour), area.opacity, area.edge ? escaped(area.colour) : "none",
+                         path(area.outline));
     }
     for (std::size_t i = 0; i < panel_.series.size(); ++i) {
       const Series& series = panel_.series[i];
@@ -147,10 +160,15 @@ class Drawing {
         if (point.allFinite()) out += dot({x_.at(point.x()), y_.at(point.y())}, series, i);
       }
     }
-    out += fmt::format("</g>\n<rect class=\"frame\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n", x_.begin, y_.end, w, panel_.height);
+    out += fmt::format(
+        "</g>\n<rect class=\"frame\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n",
+        x_.begin, y_.end, w, panel_.height);
     out += labels;
-    out += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", 0.5 * (x_.begin + x_.end), y_.begin + 35, escaped(panel_.x_label));
-    out += fmt::format("<text transform=\"translate(18 {:.2f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n</g>\n", 0.5 * (y_.begin + y_.end), escaped(panel_.y_label));
+    out += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n",
+                       0.5 * (x_.begin + x_.end), y_.begin + 35, escaped(panel_.x_label));
+    out += fmt::format(
+        "<text transform=\"translate(18 {:.2f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n</g>\n",
+        0.5 * (y_.begin + y_.end), escaped(panel_.y_label));
     return out;
   }
 
@@ -166,19 +184,23 @@ class Drawing {
   }
 
   static std::string stroke(const Series& series, std::size_t i) {
-    const char* dashes = series.stroke == Stroke::dashed ? "7 4" : (series.stroke == Stroke::dotted ? "1.5 3.5" : "none");
-    return fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{}\"", colour(series, i), series.width, dashes);
+    const char* dashes =
+        series.stroke == Stroke::dashed ? "7 4" : (series.stroke == Stroke::dotted ? "1.5 3.5" : "none");
+    return fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{}\"", colour(series, i),
+                       series.width, dashes);
   }
 
   static std::string dot(const Vec2& at, const Series& series, std::size_t i) {
-    return fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", at.x(), at.y(), series.width, colour(series, i));
+    return fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", at.x(), at.y(),
+                       series.width, colour(series, i));
   }
 
   [[nodiscard]] std::string path(const std::vector<Vec2>& points) const {
     std::string d;
     bool begins = true;
     for (const Vec2& point : points) {
-      if (point.allFinite()) d += fmt::format("{}{:.2f} {:.2f}", begins ? 'M' : 'L', x_.at(point.x()), y_.at(point.y()));
+      if (point.allFinite())
+        d += fmt::format("{}{:.2f} {:.2f}", begins ? 'M' : 'L', x_.at(point.x()), y_.at(point.y()));
       begins = !point.allFinite();
     }
     return d.empty() ? "M0 0" : d;
@@ -195,7 +217,8 @@ class Drawing {
         legend_y_ += kLegend;
       }
       legend_ += sample(x, legend_y_ + 6);
-      legend_ += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n", x + 34, legend_y_ + 10, escaped(name));
+      legend_ +=
+          fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n", x + 34, legend_y_ + 10, escaped(name));
       x += wide;
     };
     for (std::size_t i = 0; i < panel_.series.size(); ++i) {
@@ -210,7 +233,10 @@ class Drawing {
     for (const Area& area : panel_.areas) {
       if (area.name.empty() || !named.insert(area.name).second) continue;
       entry(area.name, [&](double sx, double sy) {
-        return fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"28\" height=\"11\" fill=\"{}\" fill-opacity=\"{:.3f}\"/>\n", sx, sy - 6, escaped(area.colour), area.opacity);
+        return fmt::format(
+            "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"28\" height=\"11\" fill=\"{}\" "
+            "fill-opacity=\"{:.3f}\"/>\n",
+            sx, sy - 6, escaped(area.colour), area.opacity);
       });
     }
   }
@@ -227,7 +253,11 @@ class Drawing {
 }  // namespace
 
 Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour, double opacity) {
-  return {std::move(name), {low, {high.x(), low.y()}, high, {low.x(), high.y()}}, std::move(colour), opacity, false};
+  return {std::move(name),
+          {low, {high.x(), low.y()}, high, {low.x(), high.y()}},
+          std::move(colour),
+          opacity,
+          false};
 }
 
 std::string plot_svg(std::span<const Panel> panels, double width) {
@@ -240,8 +270,10 @@ std::string plot_svg(std::span<const Panel> panels, double width) {
   }
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\">\n"
-      "<style>text{{font:12px Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#222}} .title{{font-weight:bold;font-size:13px}}\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+      "{1:.0f}\">\n"
+      "<style>text{{font:12px Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#222}} "
+      ".title{{font-weight:bold;font-size:13px}}\n"
       ".grid{{stroke:#e4e4e4;stroke-width:1}} .frame{{fill:none;stroke:#444;stroke-width:1}}\n"
       ".line{{fill:none;stroke-linejoin:round;stroke-linecap:butt}}</style>\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{2}</svg>\n",

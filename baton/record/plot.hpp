@@ -31,24 +31,25 @@ enum class Stroke { solid, dashed, dotted, points };
 
 /// A line, or points. A point that is not finite breaks the line.
 struct Series {
-  std::string name;            ///< in the legend; "": not there
-  std::vector<Vec2> points;    ///< data units
+  std::string name;          ///< in the legend; "": not there
+  std::vector<Vec2> points;  ///< data units
   Stroke stroke = Stroke::solid;
-  std::string colour;          ///< any SVG colour; "": the next of the palette
-  double width = 1.6;          ///< of the line, or radius of the points [px]
+  std::string colour;  ///< any SVG colour; "": the next of the palette
+  double width = 1.6;  ///< of the line, or radius of the points [px]
 };
 
 /// A filled polygon behind the series: a band, a sole, a region.
 struct Area {
-  std::string name;            ///< in the legend once, however many areas bear it; "": not there
-  std::vector<Vec2> outline;   ///< data units
+  std::string name;           ///< in the legend once, however many areas bear it; "": not there
+  std::vector<Vec2> outline;  ///< data units
   std::string colour = palette::kGrey;
   double opacity = 0.25;
-  bool edge = false;           ///< draw the outline too
+  bool edge = false;  ///< draw the outline too
 };
 
 /// The rectangle between two corners.
-[[nodiscard]] Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour, double opacity = 0.25);
+[[nodiscard]] Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour,
+                        double opacity = 0.25);
 
 struct Panel {
   std::string title;
@@ -56,7 +57,7 @@ struct Panel {
   std::string y_label;
   std::vector<Area> areas;
   std::vector<Series> series;
-  bool equal = false;  ///< one metre is as long upward as sideways (for loci)
+  bool equal = false;            ///< one metre is as long upward as sideways (for loci)
   std::optional<Range> x_range;  ///< nothing: from the data
   std::optional<Range> y_range;
   double height = 220.0;  ///< of the axes' box [px]

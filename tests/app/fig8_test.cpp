@@ -11,7 +11,8 @@ namespace {
 
 void expect_knots(const nlohmann::json& knots, const std::vector<double>& y) {
   ASSERT_EQ(knots.size(), y.size());
-  for (std::size_t k = 0; k < y.size(); ++k) EXPECT_NEAR(knots[k].get<double>(), y[k], 1e-3) << "knot " << k;
+  for (std::size_t k = 0; k < y.size(); ++k)
+    EXPECT_NEAR(knots[k].get<double>(), y[k], 1e-3) << "knot " << k;
 }
 
 TEST(ReproduceFig8, ShowsDurationCorrection) {
@@ -25,7 +26,8 @@ TEST(ReproduceFig8, ShowsDurationCorrection) {
   EXPECT_NEAR(segments[1].at("T").get<double>(), 1.0, 1e-9);
   expect_knots(segments[0].at("knots_y"), {-0.0160, 0.0122, 0.0078, -0.0418});
   expect_knots(segments[1].at("knots_y"), {-0.0468, 0.0068, 0.0215, -0.0563});
-  for (const auto& segment : segments) EXPECT_TRUE(segment.at("verified").get<bool>());
+  for (const auto& segment : segments)
+    EXPECT_TRUE(segment.at("verified").get<bool>());
   const auto& uncorrected = json.at("uncorrected");
   EXPECT_NEAR(uncorrected.at("T").get<double>(), 0.5, 1e-9);
   expect_knots(uncorrected.at("knots_y"), {-0.0384, -0.0007, -0.0018, -0.0617});

@@ -92,14 +92,23 @@ TEST_F(JoystickTest, AStickIsNeutralBeforeItIsArmed) {
   EXPECT_FALSE(joystick_->status().armed);
   EXPECT_THAT(joystick_->status().hint, HasSubstr("Let go"));
   stick.axis(1, 0.0);
-  stick.axis(4, 0.0);  // a lever half way
-  EXPECT_EQ(read(), Command{});
-  EXPECT_FALSE(joystick_->status().armed);
-  stick.axis(4, 1.0);
   EXPECT_EQ(read(), Command{});
   EXPECT_TRUE(joystick_->status().armed);
   stick.axis(1, -1.0);
   EXPECT_EQ(read().axes[4], 1.0);
+}
+
+TEST_F(JoystickTest, ALeverCountsFromWhenItWasPulledBack) {
+  VirtualAv8r stick;
+  stick.axis(4, 0.0);  // half way, as it was left
+  EXPECT_EQ(read(), Command{});
+  EXPECT_TRUE(joystick_->status().armed);
+  stick.axis(4, -1.0);
+  EXPECT_EQ(read().lift.right, 0.0);
+  stick.axis(4, 1.0);
+  EXPECT_EQ(read().lift.right, 0.0);
+  stick.axis(4, -1.0);
+  EXPECT_EQ(read().lift.right, 1.0);
 }
 
 TEST_F(JoystickTest, PulledOutItIsNeutralAndBackInItMustBeNeutralFirst) {

@@ -17,7 +17,8 @@ class PolygonTest : public testing::Test {
   std::vector<Vec2> points() {
     const Vec2 about = point();
     std::vector<Vec2> some;
-    for (int n = std::uniform_int_distribution<int>(3, 12)(random_); n > 0; --n) some.push_back(about + point());
+    for (int n = std::uniform_int_distribution<int>(3, 12)(random_); n > 0; --n)
+      some.push_back(about + point());
     return some;
   }
   ConvexPolygon polygon() { return ConvexPolygon::hull(points()); }
@@ -44,7 +45,8 @@ double distance_to_rim(const ConvexPolygon& polygon, const Vec2& p) {
   double least = std::numeric_limits<double>::infinity();
   const auto& v = polygon.vertices();
   for (std::size_t i = 0; i < v.size(); ++i) {
-    for (int k = 0; k < 400; ++k) least = std::min(least, (v[i] + (v[(i + 1) % v.size()] - v[i]) * (k / 400.0) - p).norm());
+    for (int k = 0; k < 400; ++k)
+      least = std::min(least, (v[i] + (v[(i + 1) % v.size()] - v[i]) * (k / 400.0) - p).norm());
   }
   return least;
 }
@@ -58,7 +60,8 @@ TEST_F(PolygonTest, HullHoldsAllPointsAndTurnsLeft) {
     for (std::size_t i = 0; i < v.size(); ++i) {
       ASSERT_TRUE(std::find(some.begin(), some.end(), v[i]) != some.end());
       ASSERT_GT(side_of_line(v[i], v[(i + 1) % v.size()], v[(i + 2) % v.size()]), 0.0);
-      for (const Vec2& p : some) ASSERT_GE(side_of_line(v[i], v[(i + 1) % v.size()], p), -1e-9);
+      for (const Vec2& p : some)
+        ASSERT_GE(side_of_line(v[i], v[(i + 1) % v.size()], p), -1e-9);
     }
   }
 }
@@ -97,7 +100,8 @@ TEST_F(PolygonTest, InsetHoldsThePointsDeepEnough) {
     const ConvexPolygon shape = polygon();
     const double depth = real(0.0, 0.6);
     const ConvexPolygon inner = shape.inset(depth);
-    for (const Vec2& vertex : inner.vertices()) ASSERT_GE(shape.margin(vertex), depth - 1e-9);
+    for (const Vec2& vertex : inner.vertices())
+      ASSERT_GE(shape.margin(vertex), depth - 1e-9);
     for (int k = 0; k < 30; ++k) {
       const Vec2 p = inside(shape);
       if (shape.margin(p) > depth + 1e-5) {
@@ -121,7 +125,8 @@ TEST_F(PolygonTest, NearestIsNearerThanAnyOther) {
       continue;
     }
     ASSERT_NEAR((nearest - p).norm(), distance_to_rim(shape, p), 0.01);
-    for (int k = 0; k < 50; ++k) ASSERT_LE((nearest - p).norm(), (inside(shape) - p).norm() + 1e-9);
+    for (int k = 0; k < 50; ++k)
+      ASSERT_LE((nearest - p).norm(), (inside(shape) - p).norm() + 1e-9);
   }
 }
 
@@ -131,7 +136,8 @@ TEST_F(PolygonTest, ClippedIsWhatBothShare) {
     const ConvexPolygon a = polygon();
     const ConvexPolygon b = polygon();
     const ConvexPolygon both = a.clipped(b);
-    for (const Vec2& vertex : both.vertices()) ASSERT_GE(std::min(a.margin(vertex), b.margin(vertex)), -1e-9);
+    for (const Vec2& vertex : both.vertices())
+      ASSERT_GE(std::min(a.margin(vertex), b.margin(vertex)), -1e-9);
     some += both.empty() ? 0 : 1;
     for (int k = 0; k < 50; ++k) {
       const Vec2 p = inside(a);
@@ -155,14 +161,17 @@ TEST_F(PolygonTest, SeparationIsNegativeForOverlapAndNeverMoreThanTheDistance) {
     const ConvexPolygon a = polygon();
     std::vector<Vec2> moved = polygon().vertices();
     const Vec2 shift = point(3.0);
-    for (Vec2& p : moved) p += shift;
+    for (Vec2& p : moved)
+      p += shift;
     const ConvexPolygon b = ConvexPolygon::hull(moved);
     const double gap = separation(a, b);
     ASSERT_EQ(gap, separation(b, a));
     // The true distance is at a vertex of one of them.
     double distance = std::numeric_limits<double>::infinity();
-    for (const Vec2& p : a.vertices()) distance = std::min(distance, (b.nearest(p) - p).norm());
-    for (const Vec2& p : b.vertices()) distance = std::min(distance, (a.nearest(p) - p).norm());
+    for (const Vec2& p : a.vertices())
+      distance = std::min(distance, (b.nearest(p) - p).norm());
+    for (const Vec2& p : b.vertices())
+      distance = std::min(distance, (a.nearest(p) - p).norm());
     const bool overlap = !a.clipped(b).empty();
     if (overlap) {
       ASSERT_LT(gap, 1e-5);

@@ -31,8 +31,8 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// A segment of one to three phases, from any moving start to any goal nearby; knots at the borders, and sometimes
-/// within a phase.
+/// A segment of one to three phases, from any moving start to any goal nearby; knots at the borders, and
+/// sometimes within a phase.
 ComProblem random_problem(Random& random) {
   ComProblem problem;
   problem.omega = random.real(3.0, 7.0);
@@ -41,10 +41,13 @@ ComProblem random_problem(Random& random) {
   problem.goal = problem.p0 + random.vec(0.06);
   const int phases = random.integer(1, 3);
   std::vector<double> shares;
-  for (int i = 0; i < phases; ++i) shares.push_back(random.real(0.1, 1.0));
+  for (int i = 0; i < phases; ++i)
+    shares.push_back(random.real(0.1, 1.0));
   const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
   double t = 0.0;
-  const auto knot = [&](double at) { problem.knots.push_back({at, problem.p0 + random.vec(0.1), random.real(0.2, 5.0)}); };
+  const auto knot = [&](double at) {
+    problem.knots.push_back({at, problem.p0 + random.vec(0.1), random.real(0.2, 5.0)});
+  };
   knot(0.0);
   for (const double share : shares) {
     problem.phases.push_back({share / sum, rectangle({-0.3, -0.3}, {0.3, 0.3})});
@@ -83,7 +86,8 @@ TEST(ComPlan, MeetsItsBoundaryConditionsAndTheEquationOfMotion) {
     const double h = 1e-4;
     for (int k = 0; k < 8; ++k) {
       const double t = random.real(2 * h, T - 2 * h);
-      const bool at_knot = std::any_of(path.times().begin(), path.times().end(), [&](double at) { return std::abs(at - t) < 2 * h; });
+      const bool at_knot = std::any_of(path.times().begin(), path.times().end(),
+                                       [&](double at) { return std::abs(at - t) < 2 * h; });
       if (at_knot) continue;
       const ComState x = path.at(t);
       const ComState before = path.at(t - h);
@@ -97,7 +101,8 @@ TEST(ComPlan, MeetsItsBoundaryConditionsAndTheEquationOfMotion) {
 
 double cost(const std::vector<VrpKnot>& wishes, const std::vector<Vec3>& knots) {
   double sum = 0.0;
-  for (std::size_t k = 0; k < knots.size(); ++k) sum += wishes[k].weight * (knots[k] - wishes[k].wish).squaredNorm();
+  for (std::size_t k = 0; k < knots.size(); ++k)
+    sum += wishes[k].weight * (knots[k] - wishes[k].wish).squaredNorm();
   return sum;
 }
 
@@ -110,8 +115,10 @@ TEST(ComPlan, KnotsAreTheNearestToTheirWishesThatReachTheGoal) {
     const std::size_t n = path.knots().size();
     // The two boundary rows by superposition: what a unit change of each knot does to the end.
     const auto ends = [&](const std::vector<Vec3>& knots) -> Eigen::Vector2d {
-      const ComState end = ComPath(problem.omega, path.times(), knots, Vec3::Zero(), Vec3::Zero()).at(path.duration());
-      return Eigen::Vector2d(end.p.x(), end.dp.x() / problem.omega) * std::exp(-problem.omega * path.duration());
+      const ComState end =
+          ComPath(problem.omega, path.times(), knots, Vec3::Zero(), Vec3::Zero()).at(path.duration());
+      return Eigen::Vector2d(end.p.x(), end.dp.x() / problem.omega) *
+             std::exp(-problem.omega * path.duration());
     };
     MatX rows(2, static_cast<Eigen::Index>(n));
     for (std::size_t k = 0; k < n; ++k) {
@@ -126,7 +133,8 @@ TEST(ComPlan, KnotsAreTheNearestToTheirWishesThatReachTheGoal) {
       std::vector<Vec3> other = path.knots();
       const VecX step = null * VecX::NullaryExpr(null.cols(), [&] { return random.real(-1e-3, 1e-3); });
       const Vec3 direction = random.vec(1.0).normalized();
-      for (std::size_t i = 0; i < n; ++i) other[i] += step[static_cast<Eigen::Index>(i)] * direction;
+      for (std::size_t i = 0; i < n; ++i)
+        other[i] += step[static_cast<Eigen::Index>(i)] * direction;
       ASSERT_GE(cost(problem.knots, other), least - 1e-13);
     }
   }
@@ -138,7 +146,9 @@ TEST(ComPlan, AHeavierWishIsHeldBetter) {
     ComProblem problem = random_problem(random);
     if (problem.knots.size() < 3) continue;
     const auto k = static_cast<std::size_t>(random.integer(0, static_cast<int>(problem.knots.size()) - 1));
-    const auto miss = [&] { return (com_path(problem, 120, kPeriod).knots()[k] - problem.knots[k].wish).norm(); };
+    const auto miss = [&] {
+      return (com_path(problem, 120, kPeriod).knots()[k] - problem.knots[k].wish).norm();
+    };
     const double before = miss();
     problem.knots[k].weight *= 10.0;
     ASSERT_LE(miss(), before + 1e-12);
@@ -179,8 +189,10 @@ TEST(ComPlan, PhaseBordersFillTheDuration) {
   for (int trial = 0; trial < 5000; ++trial) {
     std::vector<SupportPhase> phases(static_cast<std::size_t>(random.integer(1, 5)));
     double sum = 0.0;
-    for (SupportPhase& phase : phases) sum += phase.share = std::pow(random.real(0.05, 1.0), 4.0);
-    for (SupportPhase& phase : phases) phase.share /= sum;
+    for (SupportPhase& phase : phases)
+      sum += phase.share = std::pow(random.real(0.05, 1.0), 4.0);
+    for (SupportPhase& phase : phases)
+      phase.share /= sum;
     const int ticks = random.integer(static_cast<int>(phases.size()), 300);
     const std::vector<int> borders = phase_borders(phases, ticks);
     ASSERT_EQ(borders.size(), phases.size() + 1);
@@ -206,13 +218,15 @@ ComProblem step_problem(double left, double right, double landing, double height
   problem.goal = {0, 0.5 * (left + landing), height};
   problem.phases = {{0.20, soles(left, right)}, {0.36, soles(left, left)}, {0.44, soles(left, landing)}};
   const Vec3 stance(0, left, height);
-  problem.knots = {{0.0, problem.p0, 1.0}, {0.20, stance, 1.0}, {0.56, stance, 1.0}, {1.0, problem.goal, 1.0}};
+  problem.knots = {
+      {0.0, problem.p0, 1.0}, {0.20, stance, 1.0}, {0.56, stance, 1.0}, {1.0, problem.goal, 1.0}};
   return problem;
 }
 
 void expect_knots(const ComPath& path, const std::array<double, 4>& y) {
   ASSERT_EQ(path.knots().size(), 4u);
-  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(path.knots()[k].y(), y[k], 1e-3) << "knot " << k;
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_NEAR(path.knots()[k].y(), y[k], 1e-3) << "knot " << k;
 }
 
 TEST(ComPlan, GivesTheNumbersOfTheTheory) {
@@ -276,7 +290,8 @@ TEST(ComPlan, TheDurationIsTheFirstThatFits) {
       const int ticks = static_cast<int>(std::lround((0.5 + 0.1 * (tries - 1)) / kPeriod));
       return zmp_margin(problem, com_path(problem, ticks, kPeriod), kPeriod).margin >= problem.margin;
     };
-    for (int k = 1; k < plan.tried; ++k) ASSERT_FALSE(fits(k));
+    for (int k = 1; k < plan.tried; ++k)
+      ASSERT_FALSE(fits(k));
     ASSERT_EQ(plan.feasible, fits(plan.tried));
     ASSERT_EQ(plan.ticks, static_cast<int>(std::lround((0.5 + 0.1 * (plan.tried - 1)) / kPeriod)));
     ASSERT_LE(plan.ticks * kPeriod, last + 1e-6);

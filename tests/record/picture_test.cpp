@@ -26,7 +26,9 @@ class PictureTest : public testing::Test {
     std::copy_n(home.q.data(), home.q.size(), data_->qpos);
     mj_forward(model_.get(), data_.get());
   }
-  std::filesystem::path file(const std::string& name) const { return std::filesystem::path(testing::TempDir()) / name; }
+  std::filesystem::path file(const std::string& name) const {
+    return std::filesystem::path(testing::TempDir()) / name;
+  }
 
   ModelPtr model_;
   DataPtr data_;
@@ -34,7 +36,8 @@ class PictureTest : public testing::Test {
 
 int colours(const Image& image) {
   std::set<int> seen;
-  for (std::size_t i = 0; i + 2 < image.rgb.size(); i += 3) seen.insert(image.rgb[i] << 16 | image.rgb[i + 1] << 8 | image.rgb[i + 2]);
+  for (std::size_t i = 0; i + 2 < image.rgb.size(); i += 3)
+    seen.insert(image.rgb[i] << 16 | image.rgb[i + 1] << 8 | image.rgb[i + 2]);
   return static_cast<int>(seen.size());
 }
 
@@ -43,7 +46,8 @@ constexpr int kTraces = 30;
 
 int different(const Image& a, const Image& b) {
   int n = 0;
-  for (std::size_t i = 0; i < a.rgb.size(); ++i) n += a.rgb[i] != b.rgb[i] ? 1 : 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i)
+    n += a.rgb[i] != b.rgb[i] ? 1 : 0;
   return n;
 }
 
@@ -85,7 +89,8 @@ TEST_F(PictureTest, ShowsMarksUntilTheyAreCleared) {
   const int point = different(picture.render(*data_, camera), plain);
   EXPECT_GT(point, 2 * kTraces);
   std::vector<Vec3> path;
-  for (int k = 0; k < 4500; ++k) path.emplace_back(-0.3 + 1e-4 * k, -0.2, 0.1);  // more than a scene usually holds
+  for (int k = 0; k < 4500; ++k)
+    path.emplace_back(-0.3 + 1e-4 * k, -0.2, 0.1);  // more than a scene usually holds
   picture.add_path(path, 0.01, {0, 0, 1, 1});
   EXPECT_GT(different(picture.render(*data_, camera), plain), point + 2 * kTraces);
   picture.clear_marks();
@@ -115,7 +120,8 @@ TEST_F(PictureTest, SaysWhatIsWrong) {
 
 TEST(Montage, PutsPicturesSideBySide) {
   const Image red{2, 2, {255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0}};
-  const Image blue{2, 4, std::vector<std::uint8_t>{0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255}};
+  const Image blue{2, 4, std::vector<std::uint8_t>{0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255,
+                                                   0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255}};
   const std::vector<Image> three{red, blue, red};
   const Image row = montage(three, 0, 1);
   EXPECT_EQ(row.width, 8);

@@ -16,8 +16,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// Whether every tag is closed in order, every attribute quoted and no bare & or < left (all that XML asks of a
-/// document without a DTD). Says what is wrong; "" if nothing is.
+/// Whether every tag is closed in order, every attribute quoted and no bare & or < left (all that XML asks of
+/// a document without a DTD). Says what is wrong; "" if nothing is.
 std::string fault(const std::string& xml) {
   static const std::regex entity("&(amp|lt|gt|quot|apos);");
   static const std::regex tag(R"(^<(/?)([A-Za-z][\w:]*)((\s+[\w:-]+="[^"<]*")*)\s*(/?)>)");
@@ -46,7 +46,8 @@ std::string fault(const std::string& xml) {
 
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++n;
   return n;
 }
 
@@ -55,7 +56,8 @@ Panel full_panel() {
   panel.title = R"(a < b & "c" > 'd')";
   panel.x_label = "t [s] <x>";
   panel.y_label = "y & z [m]";
-  panel.areas = {band("sole & \"edge\"", {0, -1}, {1, 1}, palette::kSky), band("sole & \"edge\"", {1, -1}, {2, 1}, palette::kSky)};
+  panel.areas = {band("sole & \"edge\"", {0, -1}, {1, 1}, palette::kSky),
+                 band("sole & \"edge\"", {1, -1}, {2, 1}, palette::kSky)};
   panel.series = {{"<line>", {{0, 0}, {1, 1}, {2, -1}}, Stroke::dashed, "", 1.6},
                   {"dots", {{0.5, 0.5}, {1.5, 0.2}}, Stroke::points, "\"/><script>", 3.0}};
   return panel;
@@ -83,7 +85,8 @@ TEST(Plot, SurvivesWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   Panel panel;
-  panel.series = {{"a", {{0, 0}, {1, nan}, {2, 2}, {3, 3}, {inf, 1}}, Stroke::solid, "", 1.0}, {"b", {}, Stroke::points, "", 1.0}};
+  panel.series = {{"a", {{0, 0}, {1, nan}, {2, 2}, {3, 3}, {inf, 1}}, Stroke::solid, "", 1.0},
+                  {"b", {}, Stroke::points, "", 1.0}};
   panel.x_range = Range{1.0, 1.0};  // no range at all
   const std::string svg = plot_svg({&panel, 1});
   EXPECT_EQ(fault(svg), "");

@@ -21,7 +21,10 @@ export interface PadInput {
 export const deadZone = 0.08;
 const curve = 0.5; // c: 0 straight … 1 cubic
 
-/** Dead zone d, then a curve that is fine in the middle, as in docs/input.md: (1−c)u + cu³ with u = (x−d)/(1−d). */
+/**
+ * Dead zone d, then a curve that is fine in the middle, as in docs/input.md:
+ * (1−c)u + cu³ with u = (x−d)/(1−d).
+ */
 export function shape(value: number, c = curve): number {
   if (!Number.isFinite(value)) return 0;
   const size = Math.min(1, Math.abs(value));
@@ -30,7 +33,24 @@ export function shape(value: number, c = curve): number {
   return Math.sign(value) * ((1 - c) * u + c * u ** 3);
 }
 
-enum Button { A, B, X, Y, LB, RB, LT, RT, Back, Start, LS, RS, Up, Down, Left, Right }
+enum Button {
+  A,
+  B,
+  X,
+  Y,
+  LB,
+  RB,
+  LT,
+  RT,
+  Back,
+  Start,
+  LS,
+  RS,
+  Up,
+  Down,
+  Left,
+  Right,
+}
 
 export class Gamepad {
   /** The left bumper has to be held for the pad to count. */
@@ -69,7 +89,9 @@ export class Gamepad {
       choose: this.newChoice(pressed),
     };
     if ([...input.axes, ...input.lift].every((value) => value === 0)) this.armed = true;
-    return this.armed ? input : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: false, choose: input.choose };
+    return this.armed
+      ? input
+      : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: false, choose: input.choose };
   }
 
   /** The one button pressed of those that choose; two at once choose nothing. */

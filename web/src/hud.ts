@@ -23,7 +23,8 @@ function note(id: string, content: string): void {
   element(id).hidden = content === '';
 }
 
-const millimetre = (value: Value): string => (value === null ? '–' : (Math.round(1e3 * value) / 1e3 + 0).toFixed(3));
+const millimetre = (value: Value): string =>
+  value === null ? '–' : (Math.round(1e3 * value) / 1e3 + 0).toFixed(3);
 const metres = (values: Value[]): string => `${values.map(millimetre).join('  ')} m`;
 
 export interface Actions {
@@ -38,7 +39,10 @@ export class Hud {
   private readonly refusals = new RefusalLog();
   private refusedAt = -Infinity;
 
-  constructor(private readonly stick: Stick, actions: Actions) {
+  constructor(
+    private readonly stick: Stick,
+    actions: Actions,
+  ) {
     this.bars = axisNames.map((name, i) => this.addAxis(name, axisKeys[i]!));
     this.sliders = [...document.querySelectorAll<HTMLInputElement>('[data-lift]')];
     this.buttons = new Map(
@@ -102,7 +106,10 @@ export class Hud {
 
   show(state: State, now: number): void {
     const drives = state.role === 'driver';
-    this.role(drives ? 'driver' : 'watcher', drives ? 'you drive' : state.taken ? 'watching' : 'nobody drives');
+    this.role(
+      drives ? 'driver' : 'watcher',
+      drives ? 'you drive' : state.taken ? 'watching' : 'nobody drives',
+    );
     element('take').hidden = !drives && state.taken;
     text('take', drives ? 'Give it back' : 'Take the stick');
     document.body.classList.toggle('watching', !drives);
@@ -115,7 +122,10 @@ export class Hud {
     });
 
     const goal = state.goal;
-    text('segment', goal ? `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}` : 'at rest');
+    text(
+      'segment',
+      goal ? `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}` : 'at rest',
+    );
     text('phase', support(state.contact));
     text('time', `${state.t.toFixed(1)} s`);
     const done = goal && state.segment.duration ? (state.segment.time ?? 0) / state.segment.duration : 0;
@@ -131,7 +141,8 @@ export class Hud {
 
   private refused(state: State, now: number): void {
     const entries = this.refusals.entries;
-    const line = ({ text: what, count }: (typeof entries)[number]): string => (count > 1 ? `${what} ×${count}` : what);
+    const line = ({ text: what, count }: (typeof entries)[number]): string =>
+      count > 1 ? `${what} ×${count}` : what;
     if (this.refusals.add(state.refusal, state.refusals)) {
       this.refusedAt = now;
       note('refusal', entries[0]!.text);

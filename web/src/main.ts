@@ -139,4 +139,3 @@ show().then(
   () => link.open(),
   (error: unknown) => hud.cover(`The page cannot show the robot: ${String(error)}`),
 );
-

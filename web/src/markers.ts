@@ -27,7 +27,12 @@ class Area {
     const paint = { color: colour, transparent: true, opacity, depthWrite: false, side: THREE.DoubleSide };
     this.fill = new THREE.Mesh(
       new THREE.BufferGeometry(),
-      new THREE.MeshBasicMaterial({ ...paint, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 }),
+      new THREE.MeshBasicMaterial({
+        ...paint,
+        polygonOffset: true,
+        polygonOffsetFactor: -2,
+        polygonOffsetUnits: -2,
+      }),
     );
     this.fill.renderOrder = 2;
     this.rim.renderOrder = 3;
@@ -59,7 +64,13 @@ class Area {
 
 /** Things that are seen through the robot. */
 function overlay(geometry: THREE.BufferGeometry, color: string, opacity = 1): THREE.Mesh {
-  const material = new THREE.MeshBasicMaterial({ color, opacity, transparent: true, depthTest: false, side: THREE.DoubleSide });
+  const material = new THREE.MeshBasicMaterial({
+    color,
+    opacity,
+    transparent: true,
+    depthTest: false,
+    side: THREE.DoubleSide,
+  });
   const mesh = new THREE.Mesh(geometry, material);
   mesh.renderOrder = 10;
   return mesh;
@@ -98,7 +109,13 @@ export class Markers {
     );
     this.plumb.renderOrder = 9;
     const flat = [this.zmp, this.dcm];
-    this.root.add(this.support.group, ...this.soles.map(({ group }) => group), this.com, ...flat, this.goalCom);
+    this.root.add(
+      this.support.group,
+      ...this.soles.map(({ group }) => group),
+      this.com,
+      ...flat,
+      this.goalCom,
+    );
     this.root.add(...this.hands, this.plumb);
   }
 

@@ -18,6 +18,7 @@ const reasons: Record<string, { text: string; unit: Unit }> = {
   joint_torque: { text: 'a motor would have to be too strong', unit: 'share' },
   friction: { text: 'a foot would slip', unit: 'ratio' },
   self_collision: { text: 'two links would come too close to each other', unit: 'length' },
+  obstacle: { text: 'a link would come too close to something in the way', unit: 'length' },
   swing_ground: { text: 'the foot would touch the ground on its way', unit: 'length' },
   not_finite: { text: 'the way there cannot be computed', unit: 'none' },
 };

@@ -19,7 +19,10 @@ export class View {
   private last = 0;
 
   /** `size`: nominal height of the robot's centre of mass [m]. */
-  constructor(canvas: HTMLCanvasElement, private readonly size: number) {
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly size: number,
+  ) {
     if (this.software) this.detail = 0.8;
     const antialias = !this.software;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });

@@ -11,7 +11,14 @@ interface Touch {
 
 function pad({ axes = [0, 0, 0, 0], buttons = {}, index = 0, mapping = 'standard' }: Touch = {}): Pad {
   const values = Array.from({ length: 17 }, (_, i) => buttons[i] ?? 0);
-  return { index, id: 'pad', mapping, connected: true, axes, buttons: values.map((value) => ({ value, pressed: value > 0.5 })) };
+  return {
+    index,
+    id: 'pad',
+    mapping,
+    connected: true,
+    axes,
+    buttons: values.map((value) => ({ value, pressed: value > 0.5 })),
+  };
 }
 const LB = { 4: 1 };
 

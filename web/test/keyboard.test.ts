@@ -8,7 +8,14 @@ const axesAfter = (...codes: string[]): number[] => {
 };
 
 test('each axis has a key for either direction, positive by the right hand', () => {
-  const pairs = ['KeyW KeyS', 'KeyA KeyD', 'KeyR KeyF', 'ArrowRight ArrowLeft', 'ArrowUp ArrowDown', 'KeyQ KeyE'];
+  const pairs = [
+    'KeyW KeyS',
+    'KeyA KeyD',
+    'KeyR KeyF',
+    'ArrowRight ArrowLeft',
+    'ArrowUp ArrowDown',
+    'KeyQ KeyE',
+  ];
   pairs.forEach((pair, axis) => {
     const [plus, minus] = pair.split(' ') as [string, string];
     const unit = (sign: number): number[] => [0, 0, 0, 0, 0, 0].map((_, i) => (i === axis ? sign : 0));
@@ -53,7 +60,12 @@ test('L lifts the guided foot and lowers it, and no hand', () => {
 test('letting go centres everything and keeps the part', () => {
   const stick = new Stick();
   for (const code of ['Digit1', 'KeyL', 'KeyW', 'Space']) stick.press(code);
-  expect(stick.command(null)).toEqual({ guide: 'left_foot', axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: true });
+  expect(stick.command(null)).toEqual({
+    guide: 'left_foot',
+    axes: [0, 0, 0, 0, 0, 0],
+    lift: [0, 0],
+    deadman: true,
+  });
 });
 
 test('other keys are left to the browser', () => {

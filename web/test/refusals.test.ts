@@ -14,7 +14,9 @@ const refusal = (reason: string, change: Partial<Refusal> = {}): Refusal => ({
 
 test('names the part, the reason and the numbers', () => {
   const text = (...of: Parameters<typeof refusal>): string => refusalText(refusal(...of));
-  expect(text('foot_region')).toBe('left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)');
+  expect(text('foot_region')).toBe(
+    'left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)',
+  );
   expect(text('sole_gap', { value: 0.0042, limit: 0.006 })).toBe(
     'left foot: the soles would come too close to each other (4.2 mm, at least 6 mm)',
   );
@@ -25,8 +27,8 @@ test('names the part, the reason and the numbers', () => {
     'trunk: a motor would have to be too strong, left knee (120 %, at most 90 %)',
   );
   expect(text('no_progress', { value: 0.004, limit: 0.006, where: 'sole_gap' })).toBe(
-    'left foot: no foothold brings the robot nearer to the goal: the soles would come too close to each other ' +
-      '(4 mm, at least 6 mm)',
+    'left foot: no foothold brings the robot nearer to the goal: ' +
+      'the soles would come too close to each other (4 mm, at least 6 mm)',
   );
   expect(text('no_progress')).toBe('left foot: no foothold brings the robot nearer to the goal');
   expect(text('zmp', { value: null })).not.toContain('(');
@@ -36,7 +38,8 @@ test('has words for every reason that the program knows', () => {
   const header = readFileSync(new URL('../../baton/motion/refusal.hpp', import.meta.url), 'utf8');
   const names = /kReasons> names\{([^}]*)\}/.exec(header)![1]!.match(/\w+/g)!;
   expect(names.length).toBeGreaterThan(10);
-  for (const name of names) expect(refusalText(refusal(name)), name).not.toContain(`: ${name.replaceAll('_', ' ')} (`);
+  for (const name of names)
+    expect(refusalText(refusal(name)), name).not.toContain(`: ${name.replaceAll('_', ' ')} (`);
 });
 
 test('shows a reason that it does not know as it is', () => {

@@ -19,7 +19,19 @@ const complaints: string[] = [];
 /** Starts the program and returns the address that it prints. */
 function start(): Promise<string> {
   if (!existsSync(program)) throw new Error(`there is no program ${program}: build it, or name it in $BATON`);
-  const args = ['drive', '--world', 'room', '--input', 'page', '--on', 'ideal', '--seconds', '300', '--port', '0'];
+  const args = [
+    'drive',
+    '--world',
+    'room',
+    '--input',
+    'page',
+    '--on',
+    'ideal',
+    '--seconds',
+    '300',
+    '--port',
+    '0',
+  ];
   baton = spawn(program, args, { stdio: ['ignore', 'pipe', 'pipe'] });
   return new Promise((resolve, reject) => {
     let output = '';
@@ -48,12 +60,21 @@ async function open(width: number, height: number): Promise<Page> {
 const role = (of: Page, wanted: string): Promise<unknown> =>
   of.waitForFunction((name) => document.getElementById('role')!.dataset.role === name, wanted, patience);
 
-const comX = (): Promise<number> => page.locator('#com').innerText().then((text) => parseFloat(text));
+const comX = (): Promise<number> =>
+  page
+    .locator('#com')
+    .innerText()
+    .then((text) => parseFloat(text));
 
 beforeAll(async () => {
   url = await start();
   const args = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox', '--no-first-run'];
-  const quiet = ['--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-quic'];
+  const quiet = [
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-sync',
+    '--disable-quic',
+  ];
   const executablePath = process.env.CHROMIUM ?? '/usr/bin/chromium';
   browser = await chromium.launch({ executablePath, headless: true, args: [...args, ...quiet] });
   page = await open(1280, 800);
@@ -70,19 +91,28 @@ afterAll(async () => {
 });
 
 test('shows the robot', async () => {
-  await page.waitForFunction(() => document.getElementById('cover')!.classList.contains('hidden'), null, patience);
+  await page.waitForFunction(
+    () => document.getElementById('cover')!.classList.contains('hidden'),
+    null,
+    patience,
+  );
   expect(await page.locator('#names').innerText()).toMatch(/ in room$/);
   // What is seen where no panel lies, as colours.
   const shot = await page.screenshot({ clip: { x: 400, y: 100, width: 500, height: 500 } });
-  const colours = await page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = data;
-    await image.decode();
-    const pen = Object.assign(document.createElement('canvas'), { width: 500, height: 500 }).getContext('2d')!;
-    pen.drawImage(image, 0, 0);
-    const pixels = new Uint32Array(pen.getImageData(0, 0, 500, 500).data.buffer);
-    return new Set(pixels).size;
-  }, `data:image/png;base64,${shot.toString('base64')}`);
+  const colours = await page.evaluate(
+    async (data) => {
+      const image = new Image();
+      image.src = data;
+      await image.decode();
+      const pen = Object.assign(document.createElement('canvas'), { width: 500, height: 500 }).getContext(
+        '2d',
+      )!;
+      pen.drawImage(image, 0, 0);
+      const pixels = new Uint32Array(pen.getImageData(0, 0, 500, 500).data.buffer);
+      return new Set(pixels).size;
+    },
+    `data:image/png;base64,${shot.toString('base64')}`,
+  );
   expect(colours).toBeGreaterThan(500);
 });
 
@@ -103,12 +133,17 @@ test('W in trunk mode moves the robot forward', async () => {
   await page.waitForSelector('#hint', { state: 'hidden', ...patience }); // armed
   const before = await comX();
   await page.keyboard.down('w');
-  const moved = (from: number): boolean => parseFloat(document.getElementById('com')!.textContent!) > from + 0.01;
+  const moved = (from: number): boolean =>
+    parseFloat(document.getElementById('com')!.textContent!) > from + 0.01;
   await page.waitForFunction(moved, before, patience);
   mkdirSync(path('../../../build'), { recursive: true });
   await page.screenshot({ path: picture });
   await page.keyboard.up('w');
-  await page.waitForFunction(() => document.getElementById('segment')!.textContent === 'at rest', null, patience);
+  await page.waitForFunction(
+    () => document.getElementById('segment')!.textContent === 'at rest',
+    null,
+    patience,
+  );
 });
 
 test('an impossible wish is refused in plain words', async () => {

@@ -1,0 +1,201 @@
+#include "baton/balance/stabiliser.hpp"
+
+#include <gtest/gtest.h>
+
+#include "baton/guide/guide.hpp"
+#include "baton/ik/stand.hpp"
+#include "baton/plan/planner.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+/// Two ticks of a motion, as the navigator passes them on.
+struct Moment {
+  MotionSample now;
+  MotionSample next;
+};
+
+/// Verified motions of all kinds that a robot makes on flat ground.
+std::vector<Motion> motions(const RobotModel& robot) {
+  const World world = World::load("flat");
+  const Guide guide(robot, world);
+  Planner planner(robot, world);
+  std::vector<Motion> made;
+  GuideContext context;
+  context.from = stand(robot, Pose{}, robot.profile().stance.com_height);
+  context.foothold = context.from.sole;
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int k = 0; k < 30; ++k) {
+    Command command;
+    command.guide = kParts[static_cast<std::size_t>(k) % kParts.size()];
+    for (double& axis : command.axes) axis = uniform(random);
+    if (k % 3 == 0) command.lift = {1.0, 1.0};
+    const GuideResult guided = guide.goals(context, command);
+    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+    if (goals == nullptr) continue;
+    PlanResult planned = planner.plan(context.from, goals->front(), context.anchor);
+    auto* motion = std::get_if<Motion>(&planned);
+    if (motion == nullptr) continue;
+    context.from = motion->end;
+    for (const Side side : kSides) {
+      if (motion->goal.contact[side]) context.foothold[side] = motion->goal.sole[side];
+    }
+    made.push_back(std::move(*motion));
+  }
+  return made;
+}
+
+class StabiliserTest : public testing::TestWithParam<std::string> {
+ protected:
+  const std::vector<Moment>& moments() {
+    static std::map<std::string, std::vector<Moment>> known;
+    std::vector<Moment>& list = known[GetParam()];
+    if (!list.empty()) return list;
+    for (const Motion& motion : motions(robot_)) {
+      for (std::size_t k = 0; k + 1 < motion.samples.size(); k += 7) {
+        list.push_back({motion.samples[k], motion.samples[k + 1]});
+      }
+    }
+    return list;
+  }
+
+  /// The state of a robot that is just where the plan says.
+  [[nodiscard]] State as_planned(const MotionSample& sample) const {
+    State state;
+    state.q = sample.q;
+    state.com = sample.com;
+    state.dcom = sample.dcom;
+    state.sole = sample.sole;
+    return state;
+  }
+
+  /// The wrench from the ground that these torques mean, read back through the legs: of a standing leg the six
+  /// rows of τ = ID − Jᵀf give f.
+  [[nodiscard]] Wrench wrench_of(const MotionSample& sample, const VecX& tau) {
+    kinematics_.set(sample.q);
+    Wrench total;
+    for (const Side side : kSides) {
+      if (!sample.contact[side]) continue;
+      JacobianRows jacobian(6, robot_.nv());
+      const Vec3 centre = kinematics_.sole(side).p;
+      kinematics_.point_jacobian(robot_.foot_body(side), centre, jacobian.topRows(3));
+      kinematics_.rotation_jacobian(robot_.foot_body(side), jacobian.bottomRows(3));
+      Eigen::Matrix<double, 6, 6> transposed;
+      Vec6 rest;
+      for (int i = 0; i < 6; ++i) {
+        const int j = robot_.leg(side)[static_cast<std::size_t>(i)];
+        transposed.row(i) = jacobian.col(6 + j).transpose();
+        const double damping = robot_.joints()[static_cast<std::size_t>(j)].motor.damping;
+        rest[i] = sample.force[6 + j] - (tau[j] - damping * sample.dq[6 + j]);
+      }
+      const Vec6 f = transposed.fullPivLu().solve(rest);
+      total.force += f.head<3>();
+      total.moment += f.tail<3>() + centre.cross(f.head<3>());
+    }
+    return total;
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  Kinematics kinematics_{robot_};
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, StabiliserTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(StabiliserTest, WithoutErrorIsInverseDynamicsWithTheContactForces) {
+  Stabiliser stabiliser(robot_);
+  ASSERT_GT(moments().size(), 200u);
+  int single = 0;
+  const double weight = robot_.mass() * kGravity;
+  for (const Moment& moment : moments()) {
+    const MotionSample& next = moment.next;
+    const JointTarget& target = stabiliser.target(moment.now, next, as_planned(moment.now));
+    EXPECT_EQ(target.q, next.q.tail(robot_.nv() - 6));
+    EXPECT_EQ(target.dq, next.dq.tail(robot_.nv() - 6));
+    EXPECT_EQ(target.ddq, next.ddq.tail(robot_.nv() - 6));
+    EXPECT_EQ(target.contact.left, next.contact.left);
+    EXPECT_EQ(target.contact.right, next.contact.right);
+    EXPECT_LT(stabiliser.correction().dcm_error.norm(), 1e-12);
+
+    // The wrench that the torques mean is what inverse dynamics asks of the ground.
+    const ConvexPolygon allowed = support_polygon(robot_, next.sole, next.contact, next.com, next.zmp_height)
+                                      .inset(robot_.profile().margin.zmp_feedback);
+    if (allowed.margin(next.zmp) < 0.0) continue;  // then the ZMP is brought inside
+    kinematics_.set(next.q);
+    const Wrench wanted = ground_wrench(kinematics_, next.force);
+    const Wrench read = wrench_of(next, target.tau);
+    EXPECT_LT((read.force - wanted.force).norm(), 1e-6 * weight);
+    EXPECT_LT((read.zmp(next.zmp_height) - next.zmp).norm(), 1e-6);
+    EXPECT_LT((read.moment - wanted.moment).norm(), 1e-6 * weight);
+    // No sole pulls at the arms.
+    for (const Side side : kSides) {
+      for (const int j : robot_.arm(side)) {
+        const double damping = robot_.joints()[static_cast<std::size_t>(j)].motor.damping;
+        EXPECT_NEAR(target.tau[j], next.force[6 + j] + damping * next.dq[6 + j], 1e-9 * weight);
+      }
+    }
+    if (next.contact.left != next.contact.right) {
+      ++single;
+      const Side swing = next.contact.left ? Side::right : Side::left;
+      for (const int j : robot_.leg(swing)) {
+        const double damping = robot_.joints()[static_cast<std::size_t>(j)].motor.damping;
+        EXPECT_NEAR(target.tau[j], next.force[6 + j] + damping * next.dq[6 + j], 1e-9 * weight);
+      }
+    }
+  }
+  EXPECT_GT(single, 20);
+}
+
+TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
+  Stabiliser stabiliser(robot_);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double size = robot_.profile().stance.com_height;
+  const double omega = robot_.omega();
+  const double gain = 1.0 + robot_.profile().stabiliser.k_dcm / omega;
+  int free = 0;
+  int clamped = 0;
+  for (const Moment& moment : moments()) {
+    for (int trial = 0; trial < 5; ++trial) {
+      const MotionSample& next = moment.next;
+      // Position and velocity share the error as they like: only the DCM counts.
+      const double scale = size * std::pow(10.0, 1.5 * (uniform(random) - 1.0));
+      const Vec3 dp = scale * Vec3(uniform(random), uniform(random), 0);
+      const Vec3 dv = scale * omega * Vec3(uniform(random), uniform(random), 0);
+      State state = as_planned(moment.now);
+      state.com += dp;
+      state.dcom += dv;
+      const Vec2 error = (dp + dv / omega).head<2>();
+      const JointTarget& target = stabiliser.target(moment.now, next, state);
+      ASSERT_TRUE(target.tau.allFinite());
+      const Correction& correction = stabiliser.correction();
+      ASSERT_LT((correction.dcm_error.head<2>() - error).norm(), 1e-12);
+
+      const double margin = robot_.profile().margin.zmp_feedback;
+      const ConvexPolygon support = support_polygon(robot_, next.sole, next.contact, next.com, next.zmp_height);
+      ASSERT_GE(support.margin(correction.zmp), margin - 1e-9);
+      if (support.margin(next.zmp) >= margin) {
+        ASSERT_GE((correction.zmp - next.zmp).dot(error), -1e-12);
+      }
+      const Vec2 wish = next.zmp + gain * error;
+      if (support.margin(wish) >= margin + 1e-9) {
+        ASSERT_LT((correction.zmp - wish).norm(), 1e-12);
+        ++free;
+      } else {
+        // Of all points allowed, the nearest to the wish.
+        for (const Vec2& vertex : support.inset(margin).vertices()) {
+          ASSERT_LE((correction.zmp - wish).norm(), (vertex - wish).norm() + 1e-12);
+        }
+        ++clamped;
+      }
+      // And the torques say the same.
+      ASSERT_LT((wrench_of(next, target.tau).zmp(next.zmp_height) - correction.zmp).norm(), 1e-6);
+    }
+  }
+  EXPECT_GT(free, 200);
+  EXPECT_GT(clamped, 200);
+}
+
+}  // namespace
+}  // namespace baton
