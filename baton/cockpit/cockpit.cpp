@@ -8,9 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <fstream>
 #include <future>
-#include <iterator>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -19,6 +17,7 @@
 #include <thread>
 
 #include "baton/cockpit/page_device.hpp"
+#include "baton/cockpit/page_files.hpp"
 #include "baton/cockpit/protocol.hpp"
 #include "baton/cockpit/same_origin.hpp"
 #include "baton/cockpit/scene.hpp"
@@ -42,24 +41,6 @@ struct StopServer {
   void operator()(mg_context* context) const { mg_stop(context); }
 };
 
-std::string_view mime_type(const std::filesystem::path& file) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> types{{
-      {".html", "text/html; charset=utf-8"},
-      {".js", "text/javascript; charset=utf-8"},
-      {".css", "text/css; charset=utf-8"},
-      {".json", "application/json"},
-      {".svg", "image/svg+xml"},
-      {".png", "image/png"},
-      {".ico", "image/x-icon"},
-      {".woff2", "font/woff2"},
-      {".txt", "text/plain; charset=utf-8"},
-  }};
-  for (const auto& [extension, type] : types) {
-    if (file.extension() == extension) return type;
-  }
-  return "application/octet-stream";
-}
-
 int respond(mg_connection* connection, int status, std::string_view type, std::string_view body) {
   const std::string head = fmt::format(
       "HTTP/1.1 {} {}\r\n"
@@ -79,25 +60,6 @@ int respond(mg_connection* connection, int status, std::string_view type, std::s
 
 int respond_text(mg_connection* connection, int status, std::string_view text) {
   return respond(connection, status, "text/plain; charset=utf-8", fmt::format("{}\n", text));
-}
-
-/// The file of a folder that a request names. The folder's own listing is compared with the request, so no
-/// request can name a place outside.
-std::optional<std::filesystem::path> file_in(const std::filesystem::path& folder, std::string_view request) {
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator it(folder, error), end; !error && it != end;
-       it.increment(error)) {
-    std::error_code ignored;
-    const std::string name = "/" + it->path().lexically_relative(folder).generic_string();
-    if (name == request && it->is_regular_file(ignored)) return it->path();
-  }
-  return std::nullopt;
-}
-
-std::optional<std::string> read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
 /// The only value of a header; nothing if it is missing. `repeated` is set when it comes more than once.

@@ -132,30 +132,39 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
 GuideResult Guide::goals(const GuideContext& context, const Command& raw) const {
   const Command command = sanitised(raw);
   for (const Side side : kSides) {
-    if (!context.from.contact[side] && command.guide != foot(side)) return lower(context, side);
+    if (!context.from.contact[side] && command.guide != foot(side)) return landings(context, side);
   }
   if (is_foot(command.guide)) return guide_foot(context, command);
   return command.guide == Part::trunk ? guide_trunk(context, command) : guide_hand(context, command);
 }
 
-GuideResult Guide::lower(const GuideContext& context, Side side) const {
-  Goal goal = stay(context, foot(side));
-  goal.kind = SegmentKind::lower;
-  goal.swing = side;
-  goal.contact[side] = true;
-  const Range& region = robot_->profile().region.foot_x;
+GuideResult Guide::landings(const GuideContext& context, Side side) const {
+  const Profile& profile = robot_->profile();
+  const Range& region = profile.region.foot_x;
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
-  Placement placement = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region);
-  if (placement.against) {
-    Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, region);
-    if (back.against) return *placement.against;
-    placement = std::move(back);
+  const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region);
+  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, region);
+  const Range stride{-profile.region.stride, profile.region.stride};
+  const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride);
+  std::vector<Goal> goals;
+  for (const double down : {0.0, profile.reach.trunk}) {
+    for (const Placement* placement : {&here, &back, &near}) {
+      if (placement->against) continue;
+      Goal goal = stay(context, foot(side));
+      goal.kind = SegmentKind::lower;
+      goal.swing = side;
+      goal.contact[side] = true;
+      goal.sole[side] = placement->sole;
+      goal.com = com_above(context, goal);
+      const double height = context.from.com.z() - context.from.support_height();
+      goal.com.z() -= std::min(down, std::max(0.0, height - profile.region.com_height.lo));
+      goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(goal.trunk);
+      goals.push_back(std::move(goal));
+    }
   }
-  goal.sole[side] = placement.sole;
-  goal.com = com_above(context, goal);
-  goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(goal.trunk);
-  return std::vector<Goal>{goal};
+  if (goals.empty()) return *here.against;
+  return goals;
 }
 
 GuideResult Guide::guide_foot(const GuideContext& context, const Command& command) const {
@@ -175,7 +184,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   if (!deflected && lift > 0.0 && up && !rises) return std::monostate{};
   if (placement.against) {
     // A foot in the air that may not be put where it is goes back to where it stood.
-    if (up && lift == 0.0 && !deflected) return lower(context, side);
+    if (up && lift == 0.0 && !deflected) return landings(context, side);
     return *placement.against;
   }
   Goal goal = stay(context, command.guide);

@@ -34,14 +34,16 @@ class Guide {
   /// The goals that `command` asks for. The command is sanitised here.
   [[nodiscard]] GuideResult goals(const GuideContext& context, const Command& command) const;
 
+  /// Ways to put down a foot that is in the air: where it is, where it stood last, at the nearest place; with the
+  /// COM as high as it is, or lower.
+  [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;
+
  private:
   struct Placement;  // a foot somewhere, and what speaks against it
 
   [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Command& command) const;
-  /// Puts down a foot that is in the air while another part is guided.
-  [[nodiscard]] GuideResult lower(const GuideContext& context, Side side) const;
   /// Decides whether and where a foot steps for the COM and trunk attitude of `goal`.
   [[nodiscard]] GuideResult stand_under(const GuideContext& context, const Goal& goal) const;
 

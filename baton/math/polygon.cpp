@@ -6,6 +6,8 @@
 namespace baton {
 namespace {
 
+constexpr double kOneCorner = 1e-9;  ///< [m]
+
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// The part of a vertex loop where normal · x ≥ offset (Sutherland–Hodgman).
@@ -39,7 +41,7 @@ ConvexPolygon ConvexPolygon::hull(std::span<const Vec2> points) {
   std::vector<Vec2> chain;
   const auto extend = [&chain](const Vec2& point, std::size_t base) {
     while (chain.size() >= base + 2 &&
-           cross(chain.back() - chain[chain.size() - 2], point - chain.back()) <= 1e-12) {
+           cross(chain.back() - chain[chain.size() - 2], point - chain.back()) <= 0.0) {
       chain.pop_back();
     }
     chain.push_back(point);
@@ -48,8 +50,16 @@ ConvexPolygon ConvexPolygon::hull(std::span<const Vec2> points) {
   const std::size_t lower = chain.size();
   for (std::size_t i = sorted.size(); i-- > 1;) extend(sorted[i - 1], lower - 1);
   if (chain.size() > 1) chain.pop_back();
+  // Corners that are one corner but for rounding would make edges of no direction.
+  std::vector<Vec2> corners;
+  for (const Vec2& point : chain) {
+    const bool known = std::any_of(corners.begin(), corners.end(), [&](const Vec2& corner) {
+      return (corner - point).squaredNorm() < kOneCorner * kOneCorner;
+    });
+    if (!known) corners.push_back(point);
+  }
   ConvexPolygon polygon;
-  if (chain.size() >= 3) polygon.vertices_ = std::move(chain);
+  if (corners.size() >= 3) polygon.vertices_ = std::move(corners);
   return polygon;
 }
 
@@ -64,7 +74,20 @@ double ConvexPolygon::margin(const Vec2& point) const {
 }
 
 ConvexPolygon ConvexPolygon::inset(double margin) const {
+  if (empty()) return {};
   std::vector<Vec2> loop = vertices_;
+  if (margin < 0.0) {  // to grow, begin with a box that holds the grown polygon, pointed corners too
+    Vec2 lo = vertices_.front();
+    Vec2 hi = lo;
+    for (const Vec2& vertex : vertices_) {
+      lo = lo.cwiseMin(vertex);
+      hi = hi.cwiseMax(vertex);
+    }
+    const Vec2 room = Vec2::Constant((hi - lo).norm() - 10.0 * margin);
+    lo -= room;
+    hi += room;
+    loop = {lo, {hi.x(), lo.y()}, hi, {lo.x(), hi.y()}};
+  }
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Vec2& a = vertices_[i];
     const Vec2 normal = inward_normal(a, vertices_[(i + 1) % vertices_.size()]);

@@ -16,13 +16,15 @@ class ConvexPolygon {
   /// Convex hull of the points [m]; collinear points are dropped.
   [[nodiscard]] static ConvexPolygon hull(std::span<const Vec2> points);
 
-  [[nodiscard]] const std::vector<Vec2>& vertices() const { return vertices_; }
+  [[nodiscard]] const std::vector<Vec2>& vertices() const& { return vertices_; }
+  [[nodiscard]] std::vector<Vec2> vertices() && { return std::move(vertices_); }
   [[nodiscard]] bool empty() const { return vertices_.size() < 3; }
 
   /// Distance to the nearest edge's line [m]: positive inside, negative outside, −∞ when empty.
   [[nodiscard]] double margin(const Vec2& point) const;
 
-  /// The points at least `margin` inside every edge; empty if there are none.
+  /// The points at least `margin` inside every edge; empty if there are none. A negative margin moves the edges
+  /// outward.
   [[nodiscard]] ConvexPolygon inset(double margin) const;
 
   /// The point of the polygon nearest to `point`; `point` itself when the polygon is empty.

@@ -72,7 +72,8 @@ World::World(const std::filesystem::path& file) : file_(file), name_(file.stem()
     const int u = (up + 1) % 3;
     const int w = (up + 2) % 3;
     GroundFace face;
-    face.normal = pose.R.col(up) * (pose.R(2, up) < 0.0 ? -1.0 : 1.0);
+    const bool turned = m.geom_type[g] == mjGEOM_BOX && pose.R(2, up) < 0.0;
+    face.normal = pose.R.col(up) * (turned ? -1.0 : 1.0);
     face.point = pose.p + face.normal * half[up];
     std::vector<Vec2> corners;
     for (const double a : {-1.0, 1.0}) {

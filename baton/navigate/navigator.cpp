@@ -1,5 +1,7 @@
 #include "baton/navigate/navigator.hpp"
 
+#include <algorithm>
+
 #include "baton/ik/stand.hpp"
 
 namespace baton {
@@ -8,18 +10,39 @@ PlanningResult Planning::plan(const Problem& problem) {
   PlanningResult result{problem.take_over, problem.command, problem.context.anchor, std::monostate{}};
   GuideResult guided = guide_.goals(problem.context, problem.command);
   if (const auto* refusal = std::get_if<Refusal>(&guided)) result.outcome = *refusal;
-  const auto* goals = std::get_if<std::vector<Goal>>(&guided);
-  if (goals == nullptr) return result;
-  for (const Goal& goal : *goals) {
-    PlanResult planned = planner_.plan(problem.context.from, goal, problem.context.anchor);
+  if (const auto* goals = std::get_if<std::vector<Goal>>(&guided)) {
+    PlanResult planned = first_of(*goals, problem.context);
     if (auto* motion = std::get_if<Motion>(&planned)) {
       result.outcome = std::move(*motion);
-      return result;
+    } else {
+      result.outcome = std::get<Refusal>(planned);
     }
-    // What speaks against the preferred goal is what the operator should know.
-    if (&goal == &goals->front()) result.outcome = std::get<Refusal>(planned);
   }
   return result;
+}
+
+PlanResult Planning::first_of(const std::vector<Goal>& goals, const GuideContext& context) {
+  std::optional<Refusal> against;
+  for (const Goal& goal : goals) {
+    PlanResult planned = planner_.plan(context.from, goal, context.anchor);
+    if (auto* motion = std::get_if<Motion>(&planned)) {
+      if (can_land(*motion, context)) return planned;
+      planned = Refusal{Reason::no_landing, goal.guided, 0, 0, ""};
+    }
+    if (!against) against = std::get<Refusal>(planned);
+  }
+  return *against;
+}
+
+bool Planning::can_land(const Motion& motion, const GuideContext& context) {
+  const Posture& end = motion.end;
+  if (end.contact.left && end.contact.right) return true;
+  const Side up = end.contact.left ? Side::right : Side::left;
+  const GuideResult landings = guide_.landings({end, context.anchor, context.last_step, context.foothold}, up);
+  const auto* goals = std::get_if<std::vector<Goal>>(&landings);
+  return goals != nullptr && std::any_of(goals->begin(), goals->end(), [&](const Goal& goal) {
+    return std::holds_alternative<Motion>(planner_.plan(end, goal, context.anchor));
+  });
 }
 
 Navigator::Navigator(const RobotModel& robot, const Posture& start)

@@ -31,6 +31,11 @@ class Planning {
   [[nodiscard]] PlanningResult plan(const Problem& problem);
 
  private:
+  /// The first of these goals that has a verified motion; else what speaks against the first.
+  [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const GuideContext& context);
+  /// Whether the foot that `motion` leaves in the air could be put down from there.
+  [[nodiscard]] bool can_land(const Motion& motion, const GuideContext& context);
+
   Guide guide_;
   Planner planner_;
 };

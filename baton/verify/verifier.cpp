@@ -22,6 +22,12 @@ bool has_upper_limit(Reason quantity) {
   }
 }
 
+bool is_finite(const MotionSample& sample) {
+  const auto pose = [](const Pose& x) { return x.p.allFinite() && x.R.allFinite(); };
+  return sample.q.allFinite() && sample.dq.allFinite() && sample.ddq.allFinite() && sample.com.allFinite() &&
+         sample.dcom.allFinite() && pose(sample.sole.left) && pose(sample.sole.right);
+}
+
 }  // namespace
 
 /// Keeps the worst value of each quantity, and the first violation.
@@ -151,9 +157,7 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
   // What is cheap first: most candidates that fail, fail here.
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
-    if (!sample.q.allFinite() || !sample.dq.allFinite() || !sample.ddq.allFinite()) {
-      return Refusal{Reason::not_finite, Part::trunk, 0, 0, ""};
-    }
+    if (!is_finite(sample)) return Refusal{Reason::not_finite, Part::trunk, 0, 0, ""};
     check_joints(sample, k * motion.period, ledger);
     check_soles(sample, anchor, k * motion.period, ledger);
   }

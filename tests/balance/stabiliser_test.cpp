@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "baton/guide/guide.hpp"
-#include "baton/ik/stand.hpp"
-#include "baton/plan/planner.hpp"
-#include "tests/support/robots.hpp"
+#include "tests/verify/sample_motions.hpp"
 
 namespace baton {
 namespace {
@@ -16,44 +13,13 @@ struct Moment {
   MotionSample next;
 };
 
-/// Verified motions of all kinds that a robot makes on flat ground.
-std::vector<Motion> motions(const RobotModel& robot) {
-  const World world = World::load("flat");
-  const Guide guide(robot, world);
-  Planner planner(robot, world);
-  std::vector<Motion> made;
-  GuideContext context;
-  context.from = stand(robot, Pose{}, robot.profile().stance.com_height);
-  context.foothold = context.from.sole;
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (int k = 0; k < 30; ++k) {
-    Command command;
-    command.guide = kParts[static_cast<std::size_t>(k) % kParts.size()];
-    for (double& axis : command.axes) axis = uniform(random);
-    if (k % 3 == 0) command.lift = {1.0, 1.0};
-    const GuideResult guided = guide.goals(context, command);
-    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
-    if (goals == nullptr) continue;
-    PlanResult planned = planner.plan(context.from, goals->front(), context.anchor);
-    auto* motion = std::get_if<Motion>(&planned);
-    if (motion == nullptr) continue;
-    context.from = motion->end;
-    for (const Side side : kSides) {
-      if (motion->goal.contact[side]) context.foothold[side] = motion->goal.sole[side];
-    }
-    made.push_back(std::move(*motion));
-  }
-  return made;
-}
-
 class StabiliserTest : public testing::TestWithParam<std::string> {
  protected:
   const std::vector<Moment>& moments() {
     static std::map<std::string, std::vector<Moment>> known;
     std::vector<Moment>& list = known[GetParam()];
     if (!list.empty()) return list;
-    for (const Motion& motion : motions(robot_)) {
+    for (const Motion& motion : test::sample_motions(GetParam())) {
       for (std::size_t k = 0; k + 1 < motion.samples.size(); k += 7) {
         list.push_back({motion.samples[k], motion.samples[k + 1]});
       }
@@ -184,7 +150,8 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
         ++free;
       } else {
         // Of all points allowed, the nearest to the wish.
-        for (const Vec2& vertex : support.inset(margin).vertices()) {
+        const ConvexPolygon allowed = support.inset(margin);
+        for (const Vec2& vertex : allowed.vertices()) {
           ASSERT_LE((correction.zmp - wish).norm(), (vertex - wish).norm() + 1e-12);
         }
         ++clamped;

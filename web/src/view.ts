@@ -7,7 +7,7 @@ const slow = 70; // a picture that takes longer is drawn with less detail [ms]
 
 export class View {
   follow = true;
-  readonly software = drawsInSoftware();
+  readonly software: boolean;
   readonly scene = new THREE.Scene();
   readonly camera: THREE.PerspectiveCamera;
   private readonly renderer: THREE.WebGLRenderer;
@@ -23,9 +23,11 @@ export class View {
     canvas: HTMLCanvasElement,
     private readonly size: number,
   ) {
-    if (this.software) this.detail = 0.8;
-    const antialias = !this.software;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });
+    const { gl, software } = context(canvas);
+    this.software = software;
+    if (software) this.detail = 0.8;
+    this.renderer = new THREE.WebGLRenderer({ canvas, context: gl });
+    this.renderer.debug.checkShaderErrors = false; // asking takes long
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
@@ -111,13 +113,12 @@ export class View {
   }
 }
 
-/** Whether there is no graphics card: what costs the most is then left out. */
-function drawsInSoftware(): boolean {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const names = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
+/** Without a graphics card, what costs the most is left out: edges are not smoothed. */
+function context(canvas: HTMLCanvasElement): { gl: WebGL2RenderingContext; software: boolean } {
+  const fast = canvas.getContext('webgl2', { antialias: true, failIfMajorPerformanceCaveat: true });
+  const gl = fast ?? canvas.getContext('webgl2', { antialias: false });
+  if (!gl) throw new Error('the browser has no WebGL 2');
+  return { gl, software: !fast };
 }
 
 /** Darker above, lighter at the horizon. */

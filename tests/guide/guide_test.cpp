@@ -1,0 +1,307 @@
+#include "baton/guide/guide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "baton/ik/stand.hpp"
+#include "baton/model/contact.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+const World& flat() {
+  static const World world = World::load("flat");
+  return world;
+}
+
+const World& room() {
+  static const World world = World::load("room");
+  return world;
+}
+
+class GuideTest : public testing::TestWithParam<std::string> {
+ protected:
+  GuideTest() : home_(stand(robot_, Pose{}, robot_.profile().stance.com_height)) {}
+
+  [[nodiscard]] GuideContext context(const Posture& from) const { return {from, Pose{}, Side::right, from.sole}; }
+  [[nodiscard]] GuideContext at_home() const { return context(home_); }
+
+  static const Goal& first(const GuideResult& result) { return std::get<std::vector<Goal>>(result).front(); }
+  static bool refused_for(const GuideResult& result, Reason reason) {
+    const auto* refusal = std::get_if<Refusal>(&result);
+    return refusal != nullptr && refusal->reason == reason;
+  }
+
+  /// Full stick of one axis.
+  static Command push(Part part, int axis, double value = 1.0) {
+    Command command;
+    command.guide = part;
+    command.axes[axis] = value;
+    return command;
+  }
+
+  Command random_command(std::mt19937_64& random) const {
+    std::uniform_real_distribution<double> unit(-1.2, 1.2);
+    Command command;
+    command.guide = kParts[random() % kParts.size()];
+    for (double& axis : command.axes) axis = random() % 3 == 0 ? 0.0 : unit(random);
+    command.lift = {random() % 2 == 0 ? 0.0 : unit(random), random() % 2 == 0 ? 0.0 : unit(random)};
+    return command;
+  }
+
+  /// A stance with the feet anywhere in their region.
+  Posture random_stance(std::mt19937_64& random) const {
+    const Profile::Region& region = robot_.profile().region;
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    Posture posture = home_;
+    const Pose& left = posture.sole.left;
+    posture.sole.right = left * Pose{Vec3((2 * unit(random) - 1) * region.stride,
+                                          -(region.foot_lateral.lo + unit(random) * 0.5 * (region.foot_lateral.hi - region.foot_lateral.lo)), 0),
+                                     rotation_z((2 * unit(random) - 1) * 0.1)};
+    const double height = region.com_height.lo + unit(random) * (region.com_height.hi - region.com_height.lo);
+    posture.com = 0.5 * (posture.sole.left.p + posture.sole.right.p) + Vec3(0, 0, height);
+    return posture;
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  Posture home_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, GuideTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(GuideTest, NothingIsAskedForByACentredStick) {
+  const Guide guide(robot_, flat());
+  for (const Part part : kParts) {
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(guide.goals(at_home(), push(part, 0, 0.0))));
+  }
+  Command broken;
+  broken.axes.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(guide.goals(at_home(), broken)));
+  // Only the guided foot's throttle counts.
+  Command other_throttle = push(Part::left_foot, 0, 0.0);
+  other_throttle.lift.right = 1.0;
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(guide.goals(at_home(), other_throttle)));
+}
+
+TEST_P(GuideTest, EveryGoalIsConsistent) {
+  const Guide guide(robot_, flat());
+  const Profile::Region& region = robot_.profile().region;
+  std::mt19937_64 random(11);
+  int goals = 0;
+  int refusals = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Posture from = random_stance(random);
+    const Command command = random_command(random);
+    const GuideResult result = guide.goals(context(from), command);
+    if (std::holds_alternative<Refusal>(result)) ++refusals;
+    const auto* list = std::get_if<std::vector<Goal>>(&result);
+    if (list == nullptr) continue;
+    ASSERT_FALSE(list->empty());
+    for (const Goal& goal : *list) {
+      ++goals;
+      ASSERT_TRUE(goal.com.allFinite() && goal.trunk.allFinite() && goal.arms.allFinite());
+      ASSERT_TRUE(goal.contact.left || goal.contact.right) << "at least one foot stands";
+      if (goal.swing) {
+        const Side stance = other(*goal.swing);
+        ASSERT_EQ(goal.sole[stance].p, from.sole[stance].p) << "the stance foot keeps its place";
+        const Vec3 relative = rotation_z(-yaw_of(from.sole[stance].R)) * (goal.sole[*goal.swing].p - from.sole[stance].p);
+        EXPECT_LE(std::abs(relative.x()), region.foot_x.hi + 1e-6);
+        EXPECT_GE(sign_of(*goal.swing) * relative.y(), region.foot_lateral.lo - 1e-6);
+        EXPECT_LE(sign_of(*goal.swing) * relative.y(), region.foot_lateral.hi + 1e-6);
+        EXPECT_GE(separation(sole_outline(robot_, Side::left, goal.sole.left), sole_outline(robot_, Side::right, goal.sole.right)),
+                  region.sole_gap);
+        // Above the stance foot while the other is up, above their middle when both stand.
+        const Vec2 below = goal.contact[*goal.swing] ? Vec2(0.5 * (goal.sole.left.p + goal.sole.right.p).head<2>())
+                                                     : Vec2(from.sole[stance].p.head<2>());
+        EXPECT_LT((goal.com.head<2>() - below).norm(), 1e-9);
+      } else {
+        EXPECT_EQ(goal.sole.left.p, from.sole.left.p);
+        EXPECT_EQ(goal.sole.right.p, from.sole.right.p);
+        const ConvexPolygon support = support_polygon(robot_, goal.sole, goal.contact, goal.com, 0.0);
+        EXPECT_GE(support.margin(goal.com.head<2>()), std::min(robot_.profile().margin.stand_on,
+                  support.margin(from.com.head<2>())) - 1e-9);
+      }
+      const double height = goal.com.z() - Posture{{}, {}, {}, {}, {}, goal.sole, {}, {}, goal.contact}.support_height();
+      EXPECT_GE(height, region.com_height.lo - 1e-9);
+      EXPECT_LE(height, region.com_height.hi + 1e-9);
+    }
+  }
+  EXPECT_GT(goals, 1500);
+  EXPECT_GT(refusals, 100);
+}
+
+TEST_P(GuideTest, TurningTheWholeSceneTurnsTheGoals) {
+  const Guide guide(robot_, flat());
+  std::mt19937_64 random(12);
+  int compared = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Posture from = random_stance(random);
+    const Command command = random_command(random);
+    const Pose turn{Vec3(0.3, -0.2, 0), rotation_z(std::uniform_real_distribution<double>(-3, 3)(random))};
+    Posture turned = from;
+    turned.com = turn * from.com;
+    turned.trunk = turn.R * from.trunk;
+    for (const Side side : kSides) {
+      turned.sole[side] = turn * from.sole[side];
+      turned.hand[side] = turn * from.hand[side];
+      turned.shoulder[side] = turn * from.shoulder[side];
+    }
+    const GuideResult a = guide.goals(context(from), command);
+    const GuideResult b = guide.goals(context(turned), command);
+    ASSERT_EQ(a.index(), b.index());
+    if (!std::holds_alternative<std::vector<Goal>>(a)) continue;
+    ++compared;
+    EXPECT_LT((turn * first(a).com - first(b).com).norm(), 1e-6);
+    EXPECT_LT((turn * first(a).sole.left.p - first(b).sole.left.p).norm(), 1e-6);
+    EXPECT_LT(rotation_error(turn.R * first(a).trunk, first(b).trunk).norm(), 1e-6);
+  }
+  EXPECT_GT(compared, 300);
+}
+
+TEST_P(GuideTest, AFootStepsOrLiftsByItsThrottle) {
+  const Guide guide(robot_, flat());
+  const Profile& profile = robot_.profile();
+  Command command = push(Part::left_foot, 0);
+  Goal goal = first(guide.goals(at_home(), command));
+  EXPECT_EQ(goal.kind, SegmentKind::step);
+  EXPECT_NEAR(goal.sole.left.p.x() - home_.sole.left.p.x(), profile.reach.foot, 1e-9);
+  command.lift.left = 0.5;
+  goal = first(guide.goals(at_home(), command));
+  EXPECT_EQ(goal.kind, SegmentKind::lift);
+  EXPECT_NEAR(goal.sole.left.p.z(), 0.5 * profile.swing.lift, 1e-9);
+  EXPECT_FALSE(goal.contact.left);
+  command = push(Part::left_foot, 1, -1.0);  // towards the other foot
+  EXPECT_TRUE(refused_for(guide.goals(at_home(), command), Reason::foot_region));
+}
+
+TEST_P(GuideTest, AFootInTheAirIsLoweredWhenAnotherPartIsGuided) {
+  const Guide guide(robot_, flat());
+  Posture from = home_;
+  from.contact.left = false;
+  from.sole.left.p += Vec3(0.02, 0, 0.5 * robot_.profile().swing.lift);
+  from.com.head<2>() = from.sole.right.p.head<2>();
+  for (const Part part : {Part::right_foot, Part::trunk, Part::left_hand}) {
+    const Goal goal = first(guide.goals(context(from), push(part, 0)));
+    EXPECT_EQ(goal.kind, SegmentKind::lower);
+    EXPECT_TRUE(goal.contact.left);
+    EXPECT_NEAR(goal.sole.left.p.x(), from.sole.left.p.x(), 1e-9) << "where it is";
+    EXPECT_NEAR(goal.sole.left.p.z(), 0.0, 1e-9);
+  }
+  // Where it may not land, it goes back to where it stood.
+  GuideContext blocked = context(from);
+  blocked.from.sole.left.p.y() = from.sole.right.p.y() + 0.5 * robot_.profile().region.foot_lateral.lo;
+  blocked.foothold = home_.sole;
+  const Goal back = first(guide.goals(blocked, push(Part::trunk, 0)));
+  EXPECT_LT((back.sole.left.p - home_.sole.left.p).norm(), 1e-9);
+}
+
+TEST_P(GuideTest, TheTrunkShiftsInsideTheStandOnRegionAndStepsOutside) {
+  const Guide guide(robot_, flat());
+  const double reach = robot_.profile().reach.trunk;
+  const Goal small = first(guide.goals(at_home(), push(Part::trunk, 0, 0.3)));
+  EXPECT_EQ(small.kind, SegmentKind::shift);
+  EXPECT_NEAR(small.com.x(), home_.com.x() + 0.3 * reach, 1e-9);
+  const Goal large = first(guide.goals(at_home(), push(Part::trunk, 0, 1.0)));
+  EXPECT_EQ(large.kind, SegmentKind::step);
+  EXPECT_EQ(*large.swing, Side::left) << "at a tie the foot that did not step last";
+  EXPECT_NEAR(large.sole.left.p.x(), 2.0 * reach, 1e-9);
+  GuideContext stepped = at_home();
+  stepped.last_step = Side::left;
+  EXPECT_EQ(*first(guide.goals(stepped, push(Part::trunk, 0, 1.0))).swing, Side::right);
+}
+
+TEST_P(GuideTest, TurningMakesAStepInPlaceDue) {
+  const Guide guide(robot_, flat());
+  const Goal turn = first(guide.goals(at_home(), push(Part::trunk, 5, 1.0)));
+  EXPECT_EQ(turn.kind, SegmentKind::step);
+  EXPECT_GT(yaw_of(turn.sole[*turn.swing].R), 0.1);
+  const Goal look = first(guide.goals(at_home(), push(Part::trunk, 5, 0.5)));
+  EXPECT_EQ(look.kind, SegmentKind::shift) << "a small turn needs no step";
+}
+
+TEST_P(GuideTest, HeightsAreClampedAndOnlyVerticalCommandsChangeThem) {
+  const Guide guide(robot_, flat());
+  const Profile::Region& region = robot_.profile().region;
+  Posture high = home_;
+  high.com.z() = region.com_height.hi;
+  EXPECT_TRUE(refused_for(guide.goals(context(high), push(Part::trunk, 2, 1.0)), Reason::com_height));
+  Posture nearly = home_;
+  nearly.com.z() = region.com_height.hi - 0.1 * robot_.profile().reach.trunk;
+  EXPECT_NEAR(first(guide.goals(context(nearly), push(Part::trunk, 2, 1.0))).com.z(), region.com_height.hi, 1e-9);
+  EXPECT_NEAR(first(guide.goals(at_home(), push(Part::trunk, 0, 1.0))).com.z(), home_.com.z(), 1e-9);
+  Posture leaning = home_;
+  leaning.trunk = rotation_exp({0, region.trunk_inclination - 0.01, 0});
+  EXPECT_TRUE(refused_for(guide.goals(context(leaning), push(Part::trunk, 4, 1.0)), Reason::trunk_inclination));
+  EXPECT_TRUE(std::holds_alternative<std::vector<Goal>>(guide.goals(context(leaning), push(Part::trunk, 4, -1.0))));
+}
+
+TEST_P(GuideTest, AHandPullsTheBodyAlongOnlyWhenItIsStretched) {
+  const Guide guide(robot_, flat());
+  const Profile& profile = robot_.profile();
+  const double length = (home_.hand.left.p - home_.shoulder.left).norm();
+  ASSERT_LT(length, profile.region.hand_distance);
+  const Goal near = first(guide.goals(at_home(), push(Part::left_hand, 0, -0.2)));
+  EXPECT_EQ(near.kind, SegmentKind::reach);
+  EXPECT_EQ(near.com, home_.com);
+  Command forward_and_down = push(Part::left_hand, 0, 1.0);
+  forward_and_down.axes[2] = -1.0;
+  const Goal far = first(guide.goals(at_home(), forward_and_down));
+  const Vec3 hand = home_.hand.left.p + Vec3(profile.reach.hand, 0, -profile.reach.hand);
+  const Vec3 stretch = hand - home_.shoulder.left;
+  ASSERT_GT(stretch.norm(), profile.region.hand_distance);
+  const Vec3 follow = (stretch.norm() - profile.region.hand_distance) / stretch.norm() * stretch;
+  EXPECT_LT((far.com - home_.com - follow).norm(), 1e-9);
+  EXPECT_LT((far.hand.left->p - hand).norm(), 1e-12);
+  EXPECT_FALSE(far.hand.right.has_value()) << "the opposite hand keeps its pose relative to the trunk";
+}
+
+TEST(GuideInTheRoom, FootholdsLieOnTheGroundThereAndNotOnEdges) {
+  const RobotModel& robot = test::robot("mighty");
+  const Guide guide(robot, room());
+  const Posture home = stand(robot, room().site("start"), robot.profile().stance.com_height);
+  std::mt19937_64 random(13);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int down = 0;
+  int refused = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    Posture from = home;
+    const Vec3 shift(0.06 + 0.01 * unit(random), 0.05 * unit(random), 0);
+    for (const Side side : kSides) from.sole[side].p += shift;
+    from.com += shift;
+    from.sole.left.p.x() += 0.045 * unit(random) - 0.03;
+    Command command;
+    command.guide = trial % 2 == 0 ? Part::left_foot : Part::trunk;
+    command.axes[0] = unit(random);
+    command.axes[1] = 0.2 * unit(random);
+    const GuideResult result = guide.goals({from, Pose{}, Side::right, from.sole}, command);
+    if (const auto* refusal = std::get_if<Refusal>(&result)) {
+      ++refused;
+      EXPECT_TRUE(refusal->reason == Reason::ground || refusal->reason == Reason::foot_region ||
+                  refusal->reason == Reason::sole_gap || refusal->reason == Reason::no_progress) << to_string(refusal->reason);
+    }
+    const auto* goals = std::get_if<std::vector<Goal>>(&result);
+    if (goals == nullptr) continue;
+    for (const Goal& goal : *goals) {
+      if (!goal.swing) continue;
+      const Pose& sole = goal.sole[*goal.swing];
+      const ConvexPolygon outline = sole_outline(robot, *goal.swing, sole);
+      for (const Vec2& corner : outline.vertices()) {
+        const auto ground = room().ground(corner);
+        ASSERT_TRUE(ground.has_value());
+        EXPECT_NEAR(ground->height, sole.p.z(), 1e-9);
+        EXPECT_GE(ground->edge, 0.99 * robot.profile().margin.edge);
+      }
+      const double height = goal.com.z() - 0.5 * (goal.sole.left.p.z() + goal.sole.right.p.z());
+      EXPECT_NEAR(height, home.com.z() - home.support_height(), 1e-9) << "the COM keeps its height above the soles";
+      down += sole.p.z() < 0.02 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(down, 50) << "the trunk walks down the step";
+  EXPECT_GT(refused, 50);
+}
+
+}  // namespace
+}  // namespace baton

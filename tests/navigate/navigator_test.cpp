@@ -1,0 +1,215 @@
+#include "baton/navigate/navigator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "baton/ik/stand.hpp"
+#include "baton/robot/ideal_robot.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+/// A run on the ideal robot, one tick after the other; answers of the planner can be withheld.
+class Trip {
+ public:
+  explicit Trip(const RobotModel& robot)
+      : robot_(robot),
+        world_(World::load("flat")),
+        home_(stand(robot, world_.site("start"), robot.profile().stance.com_height)),
+        navigator_(robot, home_),
+        planning_(robot, world_),
+        body_(robot, home_, robot.profile().tick.period) {}
+
+  const JointTarget& step(const Command& command, bool answer = true) {
+    const JointTarget& target = navigator_.tick(body_.read(), command);
+    body_.write(target);
+    if (auto problem = navigator_.request()) {
+      ++requests_;
+      if (answer) navigator_.offer(planning_.plan(*problem));
+    }
+    return target;
+  }
+
+  Navigator& navigator() { return navigator_; }
+  IdealRobot& body() { return body_; }
+  Planning& planning() { return planning_; }
+  const Posture& home() const { return home_; }
+  int requests() const { return requests_; }
+
+ private:
+  const RobotModel& robot_;
+  World world_;
+  Posture home_;
+  Navigator navigator_;
+  Planning planning_;
+  IdealRobot body_;
+  int requests_ = 0;
+};
+
+Command push(Part part, int axis, double value = 1.0) {
+  Command command;
+  command.guide = part;
+  command.axes[axis] = value;
+  return command;
+}
+
+class NavigatorTest : public testing::TestWithParam<std::string> {
+ protected:
+  const RobotModel& robot_ = test::robot(GetParam());
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, NavigatorTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(NavigatorTest, RestsWhileNothingIsAsked) {
+  Trip run(robot_);
+  for (int k = 0; k < 200; ++k) {
+    const JointTarget& target = run.step({});
+    ASSERT_EQ(run.navigator().phase(), Phase::hold);
+    ASSERT_LT((target.q - run.home().q.tail(target.q.size())).norm(), 1e-9);
+  }
+  EXPECT_EQ(run.requests(), 0);
+}
+
+TEST_P(NavigatorTest, AHeldStickGivesOneSegmentAfterAnotherWithoutAPause) {
+  Trip run(robot_);
+  const int lookahead = robot_.profile().tick.lookahead;
+  int held = 0;
+  for (int k = 0; k < 1200; ++k) {
+    run.step(push(Part::trunk, 0));
+    if (k > lookahead && run.navigator().phase() == Phase::hold) ++held;
+  }
+  EXPECT_EQ(held, 0);
+  EXPECT_GE(run.navigator().committed(), 5);
+  EXPECT_GT(run.navigator().sample().com.x(), 2.0 * robot_.profile().reach.trunk);
+}
+
+TEST_P(NavigatorTest, ASwitchOfTheGuidedPartTakesEffectAtTheNextInstantWithoutAPause) {
+  Trip run(robot_);
+  while (run.navigator().committed() < 2) run.step(push(Part::trunk, 0));
+  const long before = run.navigator().committed();
+  for (int k = 0; k < 20; ++k) run.step(push(Part::trunk, 0));
+  ASSERT_EQ(run.navigator().committed(), before) << "in the middle of a segment";
+  int held = 0;
+  while (run.navigator().committed() == before) {
+    run.step(push(Part::left_hand, 2, -0.5));
+    held += run.navigator().phase() == Phase::hold ? 1 : 0;
+  }
+  EXPECT_EQ(held, 0);
+  ASSERT_NE(run.navigator().motion(), nullptr);
+  EXPECT_EQ(run.navigator().motion()->goal.guided, Part::left_hand);
+}
+
+TEST_P(NavigatorTest, AnAnswerIsTakenOverAtItsTickOrDropped) {
+  Trip run(robot_);
+  std::optional<Problem> problem;
+  for (int k = 0; k < 3 && !problem; ++k) {
+    run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
+    problem = run.navigator().request();
+  }
+  ASSERT_TRUE(problem.has_value());
+  EXPECT_EQ(problem->take_over, run.navigator().now() + robot_.profile().tick.lookahead);
+  PlanningResult late = run.planning().plan(*problem);
+  EXPECT_FALSE(run.navigator().request().has_value()) << "one request at a time";
+  // It is not there at its tick: the robot goes on resting, and asks again.
+  while (run.navigator().now() < problem->take_over) {
+    run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
+  }
+  EXPECT_EQ(run.navigator().phase(), Phase::hold);
+  run.navigator().offer(std::move(late));
+  run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
+  EXPECT_EQ(run.navigator().committed(), 0) << "too late is dropped";
+  run.step(push(Part::trunk, 0));
+  for (int k = 0; k < 2 * robot_.profile().tick.lookahead; ++k) run.step(push(Part::trunk, 0));
+  EXPECT_EQ(run.navigator().committed(), 1);
+}
+
+TEST_P(NavigatorTest, ARefusalIsGivenOnceAndGoesWithTheCommand) {
+  Trip run(robot_);
+  const Command impossible = push(Part::left_foot, 1, -1.0);  // onto the other foot
+  for (int k = 0; k < 400; ++k) run.step(impossible);
+  EXPECT_EQ(run.requests(), 1);
+  ASSERT_TRUE(run.navigator().refusal().has_value());
+  EXPECT_EQ(run.navigator().refusal()->reason, Reason::foot_region);
+  EXPECT_EQ(run.navigator().refusal()->part, Part::left_foot);
+  EXPECT_LT(run.navigator().refusal()->value, run.navigator().refusal()->limit);
+  run.step({});
+  EXPECT_FALSE(run.navigator().refusal().has_value());
+  for (int k = 0; k < 100; ++k) run.step(push(Part::trunk, 0));
+  EXPECT_EQ(run.navigator().committed(), 1) << "the next command is served";
+}
+
+TEST_P(NavigatorTest, TheSameRunTwiceIsTheSameBitByBit) {
+  const auto targets = [&] {
+    Trip run(robot_);
+    std::mt19937_64 random(3);
+    Command command;
+    std::vector<double> all;
+    for (int k = 0; k < 2000; ++k) {
+      if (k % 150 == 0) {
+        command.guide = kParts[random() % kParts.size()];
+        for (double& axis : command.axes) axis = std::uniform_real_distribution<double>(-1, 1)(random);
+        command.lift.left = (random() % 3) * 0.5;
+      }
+      const JointTarget& target = run.step(command);
+      all.insert(all.end(), target.q.begin(), target.q.end());
+      all.insert(all.end(), target.tau.begin(), target.tau.end());
+    }
+    return all;
+  };
+  const std::vector<double> first = targets();
+  EXPECT_EQ(first, targets());
+}
+
+TEST_P(NavigatorTest, WhateverTheStickDoesJointsKeepTheirLimitsAndEveryMotionEndsAtRest) {
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> unit(-1.5, 1.5);
+  for (int script = 0; script < 6; ++script) {
+    Trip run(robot_);
+    Command command;
+    VecX before = run.home().q.tail(robot_.nv() - 6);
+    const double period = robot_.profile().tick.period;
+    for (int k = 0; k < 3000; ++k) {
+      if (random() % 60 == 0) {
+        command.guide = kParts[random() % kParts.size()];
+        for (double& axis : command.axes) axis = random() % 4 == 0 ? std::nan("") : unit(random);
+        command.lift = {unit(random), unit(random)};
+      }
+      const JointTarget& target = run.step(command);
+      ASSERT_TRUE(target.q.allFinite() && target.dq.allFinite() && target.tau.allFinite());
+      for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
+        const auto i = static_cast<Eigen::Index>(j);
+        const Joint& joint = robot_.joints()[j];
+        ASSERT_GE(target.q[i], joint.position.lo);
+        ASSERT_LE(target.q[i], joint.position.hi);
+        ASSERT_LE(std::abs(target.q[i] - before[i]), joint.speed * period * 1.001) << joint.name;
+        ASSERT_LE(std::abs(target.tau[i]), joint.motor.stall) << joint.name;
+      }
+      before = target.q;
+      if (const Motion* motion = run.navigator().motion()) {
+        ASSERT_TRUE(motion->samples.back().dq.isZero(0.0));
+        ASSERT_FALSE(motion->certificate.margins.empty());
+      }
+    }
+    EXPECT_GT(run.navigator().committed(), 3);
+  }
+}
+
+TEST_P(NavigatorTest, AfterAFallNothingPlannedIsExecuted) {
+  Trip run(robot_);
+  while (run.navigator().committed() < 1) run.step(push(Part::trunk, 0));
+  for (int k = 0; k < 20; ++k) run.step(push(Part::trunk, 0));
+  run.navigator().fall();
+  for (int k = 0; k < 300; ++k) {
+    const Measurement measurement = run.body().read();
+    const JointTarget& target = run.navigator().tick(measurement, push(Part::trunk, 0));
+    EXPECT_EQ(run.navigator().phase(), Phase::fallen);
+    EXPECT_EQ(target.q, measurement.q) << "nothing is asked of the motors";
+    EXPECT_TRUE(target.tau.isZero(0.0));
+    EXPECT_FALSE(run.navigator().request().has_value());
+  }
+}
+
+}  // namespace
+}  // namespace baton

@@ -1,0 +1,45 @@
+/// Verified motions to test with: what a robot makes of a random stick on flat ground.
+#pragma once
+
+#include "baton/guide/guide.hpp"
+#include "baton/ik/stand.hpp"
+#include "baton/plan/planner.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton::test {
+
+/// One after the other from the nominal standing posture, each part guided in turn; made once a process.
+inline const std::vector<Motion>& sample_motions(const std::string& name) {
+  static std::map<std::string, std::vector<Motion>> known;
+  std::vector<Motion>& made = known[name];
+  if (!made.empty()) return made;
+  const RobotModel& robot = test::robot(name);
+  const World world = World::load("flat");
+  const Guide guide(robot, world);
+  Planner planner(robot, world);
+  GuideContext context;
+  context.from = stand(robot, Pose{}, robot.profile().stance.com_height);
+  context.foothold = context.from.sole;
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (std::size_t k = 0; k < 30; ++k) {
+    Command command;
+    command.guide = kParts[k % kParts.size()];
+    for (double& axis : command.axes) axis = uniform(random);
+    if (k % 3 == 0) command.lift = {1.0, 1.0};
+    const GuideResult guided = guide.goals(context, command);
+    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+    if (goals == nullptr) continue;
+    PlanResult planned = planner.plan(context.from, goals->front(), context.anchor);
+    auto* motion = std::get_if<Motion>(&planned);
+    if (motion == nullptr) continue;
+    context.from = motion->end;
+    for (const Side side : kSides) {
+      if (motion->goal.contact[side]) context.foothold[side] = motion->goal.sole[side];
+    }
+    made.push_back(std::move(*motion));
+  }
+  return made;
+}
+
+}  // namespace baton::test
