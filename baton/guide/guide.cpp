@@ -12,6 +12,7 @@ namespace {
 constexpr double kSamePlace = 1e-3;  ///< [m] differences below do not decide
 constexpr double kSameYaw = 0.01;    ///< [rad]
 constexpr double kSearch = 0.01;     ///< spacing of the places that a foot is tried at [m]
+constexpr double kFineSearch = 0.002;  ///< the same straight ahead, where edges are [m]
 
 /// Attitude with the yaw taken out: how the trunk leans.
 Mat3 inclination(const Mat3& R) { return rotation_z(-yaw_of(R)) * R; }
@@ -105,12 +106,12 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   const double turned = std::clamp(wrap_angle(yaw - stance_yaw), -region.foot_yaw, region.foot_yaw);
   const Mat3 from_stance = rotation_z(stance_yaw);
   const Vec3 wish = from_stance.transpose() * (Vec3(at.x(), at.y(), stance.p.z()) - stance.p);
-  // The wish brought into the region first, then a grid over the region, the nearest first.
+  // The wish brought into the region first, then the line ahead and a grid over the region, the nearest first.
   std::vector<Vec2> places;
   const double lateral_wish = std::clamp(sign_of(side) * wish.y(), region.foot_lateral.lo, region.foot_lateral.hi);
   places.emplace_back(std::clamp(wish.x(), forward.lo, forward.hi), sign_of(side) * lateral_wish);
+  for (double x = forward.lo; x <= forward.hi + 1e-9; x += kFineSearch) places.emplace_back(x, places.front().y());
   for (double x = forward.lo; x <= forward.hi + 1e-9; x += kSearch) {
-    places.emplace_back(x, places.front().y());
     for (double y = region.foot_lateral.lo; y <= region.foot_lateral.hi + 1e-9; y += kSearch) {
       places.emplace_back(x, sign_of(side) * y);
     }
