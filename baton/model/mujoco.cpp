@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <mutex>
 
@@ -14,6 +15,12 @@ thread_local int warnings = 0;
 
 void on_error(const char* message) { throw std::runtime_error(fmt::format("MuJoCo: {}", message)); }
 void on_warning(const char* /*message*/) { ++warnings; }
+
+/// The parser's message, which may have several lines, on one.
+std::string one_line(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message;
+}
 
 }  // namespace
 
@@ -35,13 +42,13 @@ SpecPtr parse_model(const std::filesystem::path& file) {
   }
   std::array<char, 1000> message{};
   SpecPtr spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
-  if (!spec) throw InputError(fmt::format("model {}: {}", file.string(), message.data()));
+  if (!spec) throw InputError(fmt::format("model {}: {}", file.string(), one_line(message.data())));
   return spec;
 }
 
 ModelPtr compile_model(mjSpec& spec, const std::string& what) {
   ModelPtr model(mj_compile(&spec, nullptr));
-  if (!model) throw InputError(fmt::format("{}: {}", what, mjs_getError(&spec)));
+  if (!model) throw InputError(fmt::format("{}: {}", what, one_line(mjs_getError(&spec))));
   return model;
 }
 
@@ -49,7 +56,7 @@ ModelPtr compile_text(const std::string& mjcf, const std::string& what) {
   install_mujoco_handlers();
   std::array<char, 1000> message{};
   const SpecPtr spec(mj_parseXMLString(mjcf.c_str(), nullptr, message.data(), message.size()));
-  if (!spec) throw InputError(fmt::format("{}: {}", what, message.data()));
+  if (!spec) throw InputError(fmt::format("{}: {}", what, one_line(message.data())));
   return compile_model(*spec, what);
 }
 

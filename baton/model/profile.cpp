@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <sstream>
 #include <toml++/toml.h>
 
 #include "baton/model/error.hpp"
@@ -61,7 +63,13 @@ class Reader {
     return values;
   }
 
-  [[nodiscard]] const toml::table& root() const { return table_; }
+  [[nodiscard]] toml::node_view<const toml::node> at(const std::string& key) const {
+    asked_.insert(key);
+    return table_.at_path(key);
+  }
+
+  /// To be called last.
+  void complain_of_unknown_keys() const { complain_of_unknown_keys(table_, ""); }
 
   [[noreturn]] void complain(const std::string& key, const std::string& wanted) const {
     const auto node = table_.at_path(key);
@@ -71,13 +79,27 @@ class Reader {
         if constexpr (requires { value << n; }) value << n;
       });
     }
-    throw InputError(node ? fmt::format("profile {}: {} = {}: must be {}", file_, key, value.str(), wanted)
+    std::string shown;  // on one line
+    for (const char c : value.str()) {
+      const bool indent = c == ' ' && (shown.ends_with(' ') || shown.ends_with('['));
+      if (c != '\n' && !indent) shown += c;
+    }
+    throw InputError(node ? fmt::format("profile {}: {} = {}: must be {}", file_, key, shown, wanted)
                           : fmt::format("profile {}: {} is missing: must be {}", file_, key, wanted));
   }
 
  private:
-  [[nodiscard]] toml::node_view<const toml::node> at(const std::string& key) const {
-    return table_.at_path(key);
+  void complain_of_unknown_keys(const toml::node& node, const std::string& key) const {
+    const toml::array* array = node.as_array();
+    if (const toml::table* entries = node.as_table()) {
+      for (const auto& [name, entry] : *entries) {
+        complain_of_unknown_keys(entry, key.empty() ? std::string(name.str()) : fmt::format("{}.{}", key, name.str()));
+      }
+    } else if (array != nullptr && array->is_array_of_tables()) {
+      for (std::size_t i = 0; i < array->size(); ++i) complain_of_unknown_keys((*array)[i], fmt::format("{}[{}]", key, i));
+    } else if (!asked_.contains(key)) {
+      throw InputError(fmt::format("profile {}: {}: a profile has no such key", file_, key));
+    }
   }
 
   [[nodiscard]] double checked(const std::string& key, toml::node_view<const toml::node> node, double lo,
@@ -91,6 +113,7 @@ class Reader {
 
   const toml::table& table_;
   std::string file_;
+  mutable std::set<std::string> asked_;  ///< keys that have been looked up
 };
 
 std::array<std::string, 2> sided(const Reader& read, const std::string& part) {
@@ -108,12 +131,12 @@ std::array<double, N> shares(const Reader& read, const std::string& key) {
 
 std::map<std::string, Profile::Gains> servo_gains(const Reader& read) {
   std::map<std::string, Profile::Gains> by_joint;
-  const toml::array* rows = read.root().at_path("drive.gains").as_array();
+  const toml::array* rows = read.at("drive.gains").as_array();
   if (rows == nullptr) read.complain("drive.gains", "a list of tables {kp, kd, joints}");
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const std::string key = fmt::format("drive.gains[{}]", i);
     const Profile::Gains row{read.positive(key + ".kp", 1e6), read.number(key + ".kd", 0.0, 1e5)};
-    const toml::array* joints = read.root().at_path(key + ".joints").as_array();
+    const toml::array* joints = read.at(key + ".joints").as_array();
     if (joints == nullptr) read.complain(key + ".joints", "a list of joint names");
     for (std::size_t j = 0; j < joints->size(); ++j) {
       by_joint[read.text(fmt::format("{}.joints[{}]", key, j))] = row;
@@ -137,7 +160,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.name = read.text("name");
   p.model = std::filesystem::absolute(file).parent_path() / read.text("model");
   p.parts = {read.text("parts.trunk"), sided(read, "foot"), sided(read, "hand"), sided(read, "shoulder")};
-  if (read.root().at_path("parts.imu")) p.imu = read.text("parts.imu");
+  if (read.at("parts.imu")) p.imu = read.text("parts.imu");
   p.stance = {read.positive("stance.width", 2.0), read.positive("stance.com_height", 3.0)};
   for (const auto& [joint, degrees] : read.table("home_deg", -360, 360)) p.home[joint] = degrees * kDegree;
   p.reach = {read.positive("reach.foot", 2), read.positive("reach.trunk", 2), read.positive("reach.hand", 2),
@@ -153,7 +176,7 @@ Profile Profile::load(const std::filesystem::path& file) {
               read.positive("region.hand_distance", 3)};
   p.swing = {read.positive("swing.clearance", 1), read.positive("swing.lift", 1)};
   p.ground = {read.number("ground.flatness", 0, 0.1), read.number("ground.tilt_deg", 0, 30) * kDegree};
-  p.duration = {read.positive("duration.default", 10), read.positive("duration.step", 10),
+  p.duration = {read.number("duration.default", 0.05, 10), read.number("duration.step", 0.01, 10),
                 read.positive("duration.max", 60)};
   if (p.duration.max < p.duration.first) read.complain("duration.max", "at least duration.default");
   p.phases = {shares<3>(read, "phases.step"), shares<2>(read, "phases.lift"), shares<2>(read, "phases.lower"),
@@ -169,11 +192,12 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.margin.self_collision = read.number("margin.self_collision", 0, 0.2);
   p.margin.edge = read.number("margin.edge", 0, 0.2);
   p.ik = {read.positive("ik.position", 0.01), read.positive("ik.rotation", 0.01), read.positive("ik.hand", 0.1)};
-  p.tick = {read.number("tick.period", 1e-4, 0.1),
-            static_cast<int>(std::lround(read.number("tick.lookahead", 1, 100)))};
+  p.tick = {read.number("tick.period", 1e-4, 0.1), static_cast<int>(read.number("tick.lookahead", 1, 100))};
+  if (p.tick.lookahead != read.number("tick.lookahead", 1, 100)) read.complain("tick.lookahead", "a whole number");
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
   if (read.text("drive.kind") != "pd") read.complain("drive.kind", "\"pd\"");
   p.gains = servo_gains(read);
+  read.complain_of_unknown_keys();
   return p;
 }
 

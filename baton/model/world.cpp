@@ -54,7 +54,7 @@ World::World(const std::filesystem::path& file) : file_(file), name_(file.stem()
   mj_kinematics(&m, data.get());
   for (int g = 0; g < m.ngeom; ++g) {
     const std::string name = name_of(m, mjOBJ_GEOM, g);
-    if (!name.starts_with("ground")) continue;
+    if (!is_ground(name)) continue;
     const Pose pose{Eigen::Map<const Vec3>(data->geom_xpos + 3 * g),
                     Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->geom_xmat + 9 * g)};
     Vec3 half = Eigen::Map<const Vec3>(m.geom_size + 3 * g);

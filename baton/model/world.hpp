@@ -46,6 +46,9 @@ class World {
   /// Loads a world by file, or by its name in `worlds/`.
   [[nodiscard]] static World load(const std::string& name_or_file);
 
+  /// Whether a geom of this name may be stood on.
+  [[nodiscard]] static bool is_ground(const std::string& geom) { return geom.starts_with("ground"); }
+
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const mjModel& mj() const { return *model_; }
   [[nodiscard]] const std::vector<GroundFace>& faces() const { return faces_; }

@@ -1,11 +1,15 @@
 #include "baton/plan/planner.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "baton/ik/stand.hpp"
 
 namespace baton {
 namespace {
+
+constexpr int kSurveyed = 12;          ///< postures that a survey looks at
+constexpr int kSurveyIterations = 12;  ///< of inverse kinematics for each
 
 /// Whether more time can mend it.
 bool is_matter_of_time(Reason reason) {
@@ -43,7 +47,9 @@ PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anch
       continue;
     }
     motion.phases = segment.phases(ticks);
-    if (const auto failed = realise(segment, from, motion)) {
+    std::optional<Refusal> failed = survey(segment, from, motion);
+    if (!failed) failed = realise(segment, from, motion);
+    if (failed) {
       refusal = *failed;
     } else {
       auto verdict = verifier_.verify(motion, anchor);
@@ -58,6 +64,35 @@ PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anch
     if (!is_matter_of_time(refusal.reason)) break;
   }
   return refusal;
+}
+
+std::optional<Refusal> Planner::survey(const Segment& segment, const Posture& from, const Motion& motion) {
+  const Profile& profile = robot_->profile();
+  const Part part = motion.goal.guided;
+  const int ticks = static_cast<int>(std::lround(motion.com.duration() / motion.period));
+  const int stride = std::max(1, ticks / kSurveyed);
+  VecX before = from.q;
+  VecX q = from.q;
+  for (int k = stride; k <= ticks; k += stride) {
+    before = q;
+    const IkResult result = ik_.solve(segment.targets(motion.com, k, ticks), before,
+                                      std::numeric_limits<double>::infinity(), q, kSurveyIterations);
+    const IkResidual& r = result.residual;
+    for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+      const Joint& joint = robot_->joints()[j];
+      const auto i = 7 + static_cast<Eigen::Index>(j);
+      const double room = std::min(q[i] - joint.position.lo, joint.position.hi - q[i]);
+      if (room < profile.margin.joint) return Refusal{Reason::joint_limit, part, room, profile.margin.joint, joint.name};
+      // The mean speed between two looks: if that is too much, the largest is.
+      const double speed = std::abs(q[i] - before[i]) / (stride * motion.period);
+      if (speed > joint.speed) return Refusal{Reason::joint_speed, part, speed, joint.speed, joint.name};
+    }
+    const double position = std::max(r.sole_position, r.com);
+    if (position > profile.ik.position && result.iterations == kSurveyIterations) {
+      return Refusal{Reason::unreachable, part, position, profile.ik.position, ""};
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<Refusal> Planner::realise(const Segment& segment, const Posture& from, Motion& motion) {

@@ -20,6 +20,8 @@ class Planner {
   [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor);
 
  private:
+  /// A quick look along a candidate, a few postures only: what certainly fails is not worth more.
+  [[nodiscard]] std::optional<Refusal> survey(const Segment& segment, const Posture& from, const Motion& motion);
   /// Joint paths of a candidate; a refusal if inverse kinematics cannot follow.
   [[nodiscard]] std::optional<Refusal> realise(const Segment& segment, const Posture& from, Motion& motion);
 

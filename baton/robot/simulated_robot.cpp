@@ -28,6 +28,11 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
       text_(world.compose(robot, parameters.timestep)),
       kinematics_(robot) {
   const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
+  const double steps = period_ / parameters_.timestep;
+  if (!(steps > 0.5) || std::abs(steps - std::round(steps)) > 1e-6) {
+    throw InputError(fmt::format("{}: tick.period = {} is not a multiple of the physics step {}", owner, period_,
+                                 parameters_.timestep));
+  }
   model_ = compile_text(text_, owner);
   mjModel& m = *model_;
 

@@ -18,13 +18,14 @@ Obstacles::Obstacles(const RobotModel& robot, const World& world) {
   const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);
   const BySide<std::string> feet{name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(Side::left)),
                                  name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(Side::right))};
-  for (int g = 0; g < m.ngeom; ++g) {
-    if (m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0) continue;
-    const std::string body = name_of(m, mjOBJ_BODY, m.geom_bodyid[g]);
-    if (m.body_rootid[m.geom_bodyid[g]] != root) {
-      things_.push_back(g);
-    } else if (body != feet.left && body != feet.right) {
-      links_.push_back(g);
+  const auto collides = [&m](int g) { return m.geom_contype[g] != 0 || m.geom_conaffinity[g] != 0; };
+  for (int link = 0; link < m.ngeom; ++link) {
+    if (!collides(link) || m.body_rootid[m.geom_bodyid[link]] != root) continue;
+    const std::string body = name_of(m, mjOBJ_BODY, m.geom_bodyid[link]);
+    const bool foot = body == feet.left || body == feet.right;
+    for (int thing = 0; thing < m.ngeom; ++thing) {
+      if (!collides(thing) || m.body_rootid[m.geom_bodyid[thing]] == root) continue;
+      if (!foot || !World::is_ground(name(thing))) pairs_.push_back({link, thing});
     }
   }
 }
@@ -45,15 +46,13 @@ double Obstacles::distance(const VecX& q, double limit, std::array<int, 2>& geom
   mju_copy(data_->qpos, q.data(), model_->nq);
   mj_kinematics(model_.get(), data_.get());
   double least = limit;
-  for (const int link : links_) {
+  for (const auto& [link, thing] : pairs_) {
     const Vec3 centre = Eigen::Map<const Vec3>(data_->geom_xpos + 3 * link);
-    for (const int thing : things_) {
-      if (least_distance(thing, centre) - model_->geom_rbound[link] >= least) continue;
-      const double distance = mj_geomDistance(model_.get(), data_.get(), link, thing, least, nullptr);
-      if (distance < least) {
-        least = distance;
-        geoms = {link, thing};
-      }
+    if (least_distance(thing, centre) - model_->geom_rbound[link] >= least) continue;
+    const double distance = mj_geomDistance(model_.get(), data_.get(), link, thing, least, nullptr);
+    if (distance < least) {
+      least = distance;
+      geoms = {link, thing};
     }
   }
   return least;

@@ -1,4 +1,5 @@
-/// Distance of the robot's links from the world: all that is not a sole, from all that is there.
+/// Distance of the robot's links from the world: of soles from all that may not be stood on, of all other links from
+/// everything.
 #pragma once
 
 #include <array>
@@ -27,8 +28,7 @@ class Obstacles {
 
   ModelPtr model_;           ///< world and robot
   DataPtr data_;
-  std::vector<int> links_;   ///< colliding geoms of the robot, soles left out
-  std::vector<int> things_;  ///< colliding geoms of the world
+  std::vector<std::array<int, 2>> pairs_;  ///< colliding geoms, of the robot and of the world
 };
 
 }  // namespace baton

@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, IkTest, testing::ValuesIn(test::robot_names()),
 
 TEST_P(IkTest, ReachesWhatIsReachable) {
   int arrived = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
+  for (int trial = 0; trial < 2000; ++trial) {
     const IkTargets targets = targets_of(configuration(0.3), trial % 2 == 0);
     VecX q = home_.q;
     const IkResult result = ik_.solve(targets, home_.q, kInfinity, q, 60);
@@ -151,7 +151,7 @@ TEST_P(IkTest, ReachesWhatIsReachable) {
       }
     }
   }
-  EXPECT_GT(arrived, 2000);
+  EXPECT_GT(arrived, 1400);
 }
 
 TEST_P(IkTest, BringsBothHandsWhereTheyCanBe) {
@@ -194,7 +194,7 @@ TEST_P(IkTest, IsAPureFunction) {
 TEST_P(IkTest, NeverBreaksABoundWhateverIsAsked) {
   int bounded = 0;
   int ignored = 0;
-  for (int trial = 0; trial < 4000; ++trial) {
+  for (int trial = 0; trial < 3000; ++trial) {
     const IkTargets targets = wild_targets();
     VecX previous = configuration(1.0);
     if (chance(0.2)) {  // some joints just at their limits
@@ -217,8 +217,8 @@ TEST_P(IkTest, NeverBreaksABoundWhateverIsAsked) {
     bounded += result.bound_joint >= 0;
     ignored += !result.finite_targets;
   }
-  EXPECT_GT(bounded, 1000);
-  EXPECT_GT(ignored, 400);
+  EXPECT_GT(bounded, 800);
+  EXPECT_GT(ignored, 300);
 }
 
 TEST_P(IkTest, IgnoresATargetThatIsNotANumberAndServesTheOthers) {
@@ -284,20 +284,22 @@ TEST_P(IkTest, WhatIsTooHighDoesNotMakeItSwing) {
 
 TEST_P(IkTest, AnUnreachableHandDoesNotDisturbFeetAndCom) {
   const Profile::Ik& tolerance = robot_.profile().ik;
-  for (int trial = 0; trial < 1000; ++trial) {
+  int unreached = 0;  // the trunk bends to help
+  for (int trial = 0; trial < 400; ++trial) {
     IkTargets targets = standing(uniform(0.24, 0.275) * unit_);
     targets.com.head<2>() += 0.05 * vector(size_).head<2>();
     const Side side = kSides[static_cast<std::size_t>(trial) % 2];
       // From just out of reach to far away.
     const Vec3 away = vector(1.0).normalized();
-    targets.hand[side] = Pose{home_.hand[side].p + uniform(0.9, 4.0) * size_ * away, Mat3::Identity()};
+    targets.hand[side] = Pose{home_.hand[side].p + uniform(0.7, 4.0) * size_ * away, Mat3::Identity()};
     VecX q = home_.q;
     const IkResult result = ik_.solve(targets, home_.q, kInfinity, q, 60);
     ASSERT_LE(result.residual.sole_position, tolerance.position) << "trial " << trial;
     ASSERT_LE(result.residual.sole_rotation, tolerance.rotation) << "trial " << trial;
     ASSERT_LE(result.residual.com, tolerance.position) << "trial " << trial;
-    ASSERT_GT(result.residual.hand, 0.05 * size_);
+    unreached += result.residual.hand > 0.05 * size_;
   }
+  EXPECT_GT(unreached, 250);
 }
 
 TEST_P(IkTest, AHandGoesOutOfReachAndComesBack) {

@@ -2,12 +2,14 @@
 """Judge a run by its trace alone: an independent program that shares no code with baton.
 
     check_trace.py TRACE.csv --model MODEL.xml --profile robots/mighty/profile.toml [--on ideal|sim] [--report R.json]
+                   [--script S.jsonl]
 
 TRACE and MODEL are what `baton drive --trace TRACE --save-model MODEL` wrote. Every tick is looked at. Forces follow from
 the momentum of the links: their places are taken from MuJoCo's kinematics, everything else is worked out here by
 differences in time, so neither MuJoCo's dynamics nor the program's are trusted.
 
-Prints a summary as JSON: `violations` (kind, tick, value, limit, count) and `numbers`, the worst of each quantity.
+Prints a summary as JSON: `violations` (kind, tick, value, limit, count) and `numbers`, the worst of each quantity; with
+the script that was driven also `commands`: how many were given and how many moved what they guide.
 Exit 0 without, 1 with violations, 2 for files that cannot be read.
 Needs numpy and mujoco.
 """
@@ -532,7 +534,6 @@ def check(trace_file, model_file, profile_file, on="ideal", report=None):
         smooth[1:] &= segment[1:] == segment[:-1]
         found.at_most("zmp_plan_column", np.linalg.norm(planned - true_zmp, axis=1), limit["zmp"] * _length(profile), smooth)
         said = np.stack([trace.number["zmp_x"], trace.number["zmp_y"]], axis=1)
-        found.numbers["zmp_measured_inside"] = _json(hull_margin(points, valid, said)[inside].min())
         found.numbers["zmp_measured_column"] = _json(np.linalg.norm(said - true_zmp, axis=1)[inside].max())
         found.numbers["force_column"] = _json((np.abs(load.sum(axis=1) - motion.total_force[:, 2]) / (robot.mass * 9.80665))[inside].max())
         _check_torque(found, robot, motion, contact, speed, q, dt, inside)
@@ -580,6 +581,12 @@ def check(trace_file, model_file, profile_file, on="ideal", report=None):
         found.numbers["tilt_deg"] = _json(np.degrees(lean.max()))
     if report is not None:
         _check_report(found, report, motion, robot, t, dt, fallen)
+        # The least distance of the measured ZMP from the edge of what is touched.
+        said = np.stack([trace.number["zmp_x"], trace.number["zmp_y"]], axis=1)
+        stands = touch.any(axis=1) & np.isfinite(said).all(axis=1)
+        least = hull_margin(*support(motion.corners, motion.com, touch)[:2], said)[stands].min()
+        found.numbers["zmp_measured_inside"] = _json(least)
+        found.at_most("report_zmp_margin", np.array([abs(report["zmp_margin_m"]["measured_min"] - least)]), 5e-4)
     return _summary(found, trace, on)
 
 
@@ -678,6 +685,57 @@ def _check_report(found, report, motion, robot, t, dt, fallen):
         found.add("report_commands", 0, moved, given)
 
 
+def count_commands(trace_file, model_file, profile_file, script):
+    """{"given", "moved"}: script is [(t, guide, axes, lift)]. A command is a maximal interval of constant non-zero input;
+    it moved if what it guides went at least a quarter of the way asked for, or 5 mm of it, in the segments that it began."""
+    trace, robot = Trace(trace_file), Robot(model_file, profile_file)
+    profile, m = robot.profile, robot.m
+    dt, segment = profile["tick"]["period"], trace.number["segment"]
+    q, data = trace.block("qpos_", m.nq), mujoco.MjData(m)
+    site = {p: robot.site(profile["parts"][p]) for p in ("left_foot", "right_foot", "left_hand", "right_hand")}
+
+    def look(tick, part):
+        data.qpos[:] = q[min(tick, trace.ticks - 1)]
+        mujoco.mj_kinematics(m, data)
+        mujoco.mj_comPos(m, data)
+        ahead = sum(data.site_xmat[s].reshape(3, 3)[:2, 0] for s in robot.sole_site)
+        if part == "trunk":
+            return data.subtree_com[robot.root].copy(), data.xmat[robot.trunk].reshape(3, 3).copy(), ahead
+        return data.site_xpos[site[part]].copy(), data.site_xmat[site[part]].reshape(3, 3).copy(), ahead
+
+    clean = lambda values, lowest: [0.0 if x is None else min(1.0, max(lowest, x)) for x in values]
+    inputs = [(t, guide, clean(axes, -1.0), clean(lift, 0.0)) for t, guide, axes, lift in script]
+    kept = [c for i, c in enumerate(inputs) if i == 0 or c[1:] != inputs[i - 1][1:]]
+    edges = [int(np.ceil(c[0] / dt - 1e-6)) for c in kept] + [trace.ticks]
+    begins = np.flatnonzero((segment >= 0) & (segment != np.r_[-1, segment[:-1]]))
+    late = profile["tick"]["lookahead"]
+    given = moved = 0
+    for (_, guide, axes, lift), first, last in zip(kept, edges, edges[1:]):
+        foot = {"left_foot": 0, "right_foot": 1}.get(guide)
+        throttle = 0.0 if foot is None else lift[foot]
+        if first >= last or not (any(axes) or throttle):
+            continue
+        given += 1
+        own = begins[(begins >= first + late) & (begins < last + late)]
+        if len(own) == 0:
+            continue
+        ends = np.flatnonzero(segment != segment[own[-1]])
+        ends = ends[ends > own[-1]]
+        p, R, ahead = look(own[0], guide)
+        p1, R1, _ = look(ends[0] if len(ends) else trace.ticks, guide)
+        yaw = np.arctan2(ahead[1], ahead[0])
+        heading = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
+        way, turn = np.array(axes[:3]), np.array(axes[3:]) * profile["reach"]["rotation"]
+        way *= profile["reach"]["trunk" if guide == "trunk" else guide.split("_")[1]]
+        if foot is not None:
+            way[2], turn[:2] = throttle * profile["swing"]["lift"], 0
+        wanted, wanted_turn = np.linalg.norm(way), np.linalg.norm(turn)
+        made = heading @ way @ (p1 - p) / wanted if wanted else 0.0
+        made_turn = heading @ turn @ rotation_vector(R1 @ R.T) / wanted_turn if wanted_turn else 0.0
+        moved += bool(wanted and made >= min(wanted / 4, 5e-3)) or bool(wanted_turn and made_turn >= wanted_turn / 4)
+    return {"given": given, "moved": moved}
+
+
 def _summary(found, trace, on):
     segments = trace.number["segment"]
     segments = segments[np.isfinite(segments)]
@@ -697,10 +755,15 @@ def main():
     parser.add_argument("--profile", required=True)
     parser.add_argument("--on", choices=tuple(ON_LIMITS), default="ideal")
     parser.add_argument("--report")
+    parser.add_argument("--script")
     a = parser.parse_args()
     try:
         report = json.loads(pathlib.Path(a.report).read_text()) if a.report else None
         summary = check(a.trace, a.model, a.profile, a.on, report)
+        if a.script:
+            rows = [json.loads(line) for line in pathlib.Path(a.script).read_text().splitlines()]
+            script = [(r["t"], r["guide"], r["axes"], r["lift"]) for r in rows]
+            summary["commands"] = count_commands(a.trace, a.model, a.profile, script)
     except (OSError, ValueError, KeyError) as error:
         print(f"check_trace: {error}", file=sys.stderr)
         return 2

@@ -11,6 +11,7 @@ const reasons: Record<string, { text: string; unit: Unit }> = {
   com_height: { text: 'the body is at the end of its height range', unit: 'length' },
   trunk_inclination: { text: 'the trunk would tilt too far', unit: 'angle' },
   no_progress: { text: 'no foothold brings the robot nearer to the goal', unit: 'none' },
+  no_landing: { text: 'the lifted foot could not be put down again from there', unit: 'none' },
   zmp: { text: 'the robot would come too near to tipping over an edge of its soles', unit: 'length' },
   unreachable: { text: 'arms and legs cannot take up that posture', unit: 'ratio' },
   joint_limit: { text: 'a joint would come too near to the end of its range', unit: 'angle' },

@@ -1,0 +1,329 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <map>
+
+#include "app/app.hpp"
+#include "baton/model/world.hpp"
+#include "tests/input/virtual_joystick.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace baton {
+namespace {
+
+using test::Outcome;
+using test::run;
+using test::Scratch;
+using testing::HasSubstr;
+
+const std::string kWalk = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0], "lift": [0, 0]}
+{"t": 3.0, "guide": "left_hand", "axes": [0.5, 0, 0.5, 0, 0, 0]}
+{"t": 4.5, "guide": "left_foot", "axes": [0, -1, 0, 0, 0, 0]}
+{"t": 5.0, "guide": "trunk", "axes": [0, 0, 0, 0, 0, 0]}
+)";
+
+/// Columns of a trace by name.
+class Table {
+ public:
+  explicit Table(std::vector<std::vector<std::string>> rows) : rows_(std::move(rows)) {
+    for (std::size_t i = 0; i < rows_.front().size(); ++i) columns_[rows_.front()[i]] = i;
+  }
+  [[nodiscard]] std::size_t rows() const { return rows_.size() - 1; }
+  [[nodiscard]] bool has(const std::string& column) const { return columns_.contains(column); }
+  [[nodiscard]] const std::string& text(std::size_t row, const std::string& column) const {
+    return rows_[row + 1].at(columns_.at(column));
+  }
+  [[nodiscard]] double number(std::size_t row, const std::string& column) const { return std::stod(text(row, column)); }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+  std::map<std::string, std::size_t> columns_;
+};
+
+TEST(Drive, AScriptInPhysicsWritesTraceReportAndModel) {
+  const Scratch scratch;
+  const Outcome outcome = run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalk), "--fast",
+                               "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
+                               scratch.path("r.json"), "--save-model", scratch.path("m.xml")});
+  ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
+  const nlohmann::json report = scratch.json("r.json");
+  EXPECT_EQ(report["robot"], "mighty");
+  EXPECT_EQ(report["world"], "flat");
+  EXPECT_EQ(report["on"], "sim");
+  EXPECT_EQ(report["seed"], 7);
+  EXPECT_NEAR(report["duration_s"].get<double>(), 6.0, 1e-9);
+  EXPECT_EQ(report["falls"], 0);
+  EXPECT_GE(report["segments"]["committed"].get<int>(), 4);
+  EXPECT_EQ(report["segments"]["refused"]["foot_region"], 1) << "a refusal counts once for a command";
+  EXPECT_EQ(report["commands"]["given"], 3);
+  EXPECT_EQ(report["commands"]["moved"], 2);
+  EXPECT_GT(report["travel_m"].get<double>(), 0.05);
+  for (const char* key : {"plan_us", "tick_us"}) {
+    EXPECT_GT(report[key]["n"].get<int>(), 0);
+    EXPECT_LE(report[key]["p50"].get<double>(), report[key]["p99"].get<double>());
+    EXPECT_LE(report[key]["p99"].get<double>(), report[key]["max"].get<double>());
+  }
+  EXPECT_GT(report["zmp_margin_m"]["planned_min"].get<double>(), 0.0029);
+  EXPECT_GT(report["zmp_margin_m"]["measured_min"].get<double>(), 0.0);
+  EXPECT_LT(report["tilt_deg_max"].get<double>(), 10.0);
+  EXPECT_GT(report["real_time_factor"].get<double>(), 1.0);
+  for (const char* part : {"left_foot", "right_foot", "left_hand", "right_hand", "trunk"}) {
+    EXPECT_EQ(report["final"][part]["p"].size(), 3u);
+    EXPECT_EQ(report["final"][part]["rpy"].size(), 3u);
+  }
+  EXPECT_GT(report["final"]["com"][0].get<double>(), 0.05);
+
+  const Table trace(scratch.table("t.csv"));
+  ASSERT_EQ(trace.rows(), 1200u) << "a row a tick";
+  for (const char* column : {"t", "guide", "segment", "phase", "qpos_0", "qpos_26", "qvel_25", "target_left_hip_flexion", "com_z",
+                             "com_plan_z", "zmp_x", "zmp_plan_y", "contact_left", "touch_right", "force_left"}) {
+    EXPECT_TRUE(trace.has(column)) << column;
+  }
+  std::map<std::string, int> phases;
+  double apart = 0.0;
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
+    ++phases[trace.text(k, "phase")];
+    EXPECT_NEAR(trace.number(k, "t"), 0.005 * static_cast<double>(k), 1e-9);
+    EXPECT_EQ(trace.text(k, "phase") == "hold", trace.number(k, "segment") < 0);
+    apart = std::max(apart, std::abs(trace.number(k, "zmp_x") - trace.number(k, "zmp_plan_x")));
+    EXPECT_LT(std::abs(trace.number(k, "com_x") - trace.number(k, "com_plan_x")), 0.005);
+  }
+  EXPECT_GT(apart, 1e-5) << "measured columns are measured";
+  for (const char* phase : {"hold", "double", "single_left", "single_right"}) EXPECT_GT(phases[phase], 0) << phase;
+
+  const ModelPtr model = compile_text(scratch.read("m.xml"), "saved model");
+  EXPECT_EQ(model->nq, 27);
+  EXPECT_EQ(model->neq, 0);
+  EXPECT_EQ(model->nmocap, 0);
+  EXPECT_TRUE(model->opt.disableflags & mjDSBL_AUTORESET);
+  for (int b = 0; b < model->nbody; ++b) EXPECT_EQ(model->body_gravcomp[b], 0.0);
+}
+
+TEST(Drive, TheSameScriptGivesTheSameTrace) {
+  const Scratch scratch;
+  const std::string script = "script:" + scratch.write("walk.jsonl", kWalk);
+  for (const char* on : {"ideal", "sim"}) {
+    for (const char* file : {"a.csv", "b.csv"}) {
+      ASSERT_EQ(run({"--world", "room", "--on", on, "--input", script, "--fast", "--seconds", "4", "--trace", scratch.path(file)}).code, app::kDone);
+    }
+    EXPECT_EQ(scratch.read("a.csv"), scratch.read("b.csv"));
+    EXPECT_GT(scratch.read("a.csv").size(), 100000u);
+  }
+}
+
+TEST(Drive, BadInputIsOneClearLineAndExitCodeTwo) {
+  const Scratch scratch;
+  const std::string script = "script:" + scratch.write("ok.jsonl", kWalk);
+  const std::string bad = "script:" + scratch.write("bad.jsonl", R"({"t": 0, "guide": "tail", "axes": [0,0,0,0,0,0]})");
+  scratch.write("broken.xml", "<mujoco><worldbody><geom name='ground'");
+  scratch.write("nan.toml", "name = \"x\"\nmodel = \"mighty.xml\"\n[stance]\nwidth = nan\n");
+  struct Case {
+    std::vector<std::string> args;
+    std::string says;
+  };
+  const std::vector<std::string> fast{"--fast", "--seconds", "1"};
+  const std::vector<Case> cases{
+      {{"--robot", "nobody"}, "nobody"},
+      {{"--robot", scratch.path("none.toml")}, "none.toml"},
+      {{"--robot", scratch.path("nan.toml")}, "nan.toml"},
+      {{"--world", "nowhere"}, "nowhere"},
+      {{"--world", scratch.path("broken.xml")}, "broken.xml"},
+      {{"--input", "wheel"}, "wheel"},
+      {{"--input", "script:" + scratch.path("none.jsonl")}, "none.jsonl"},
+      {{"--input", bad}, "tail"},
+      {{"--input", script, "--trace", "/nowhere/t.csv"}, "/nowhere/t.csv"},
+      {{"--input", script, "--report", "/nowhere/r.json"}, "/nowhere/r.json"},
+      {{"--input", script, "--save-model", "/nowhere/m.xml"}, "/nowhere/m.xml"},
+      {{"--duration", "search"}, "not there yet"},
+      {{"--gait", "flow"}, "not there yet"},
+      {{"--on-limit", "shrink"}, "not there yet"},
+      {{"--on", "mars"}, "mars"},
+      {{"--seconds", "-1"}, "--seconds"},
+      {{"--speed", "9"}, "--speed"},
+      {{"--input", "page"}, "--input page"},
+  };
+  for (const Case& c : cases) {
+    std::vector<std::string> args{"drive"};
+    if (c.says != "--seconds") args.insert(args.end(), fast.begin(), fast.end());
+    args.insert(args.end(), c.args.begin(), c.args.end());
+    const Outcome outcome = run(args);
+    EXPECT_EQ(outcome.code, app::kBadInput) << c.says;
+    EXPECT_THAT(outcome.err, HasSubstr(c.says));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_THAT(run({"drive", "--fast"}).err, HasSubstr("--seconds"));
+  EXPECT_EQ(run({"dance"}).code, app::kBadInput);
+}
+
+TEST(Drive, AFallEndsTheRunAndIsReported) {
+  // A gale that the planner does not know of.
+  const Scratch scratch;
+  std::ifstream in(share_dir() / "worlds" / "flat.xml");
+  std::ostringstream text;
+  text << in.rdbuf();
+  std::string world = text.str();
+  const auto at = world.find("<option ");
+  ASSERT_NE(at, std::string::npos);
+  world.insert(at + 8, "density=\"100\" wind=\"8 0 0\" ");
+  scratch.write("gale.xml", world);
+  const std::string walk = R"({"t": 0, "guide": "trunk", "axes": [1, 1, 0, 0, 0, 1]})";
+  const Outcome outcome = run({"drive", "--world", scratch.path("gale.xml"), "--input", "script:" + scratch.write("w.jsonl", walk), "--fast",
+                               "--seconds", "60", "--trace", scratch.path("t.csv"), "--report", scratch.path("r.json")});
+  ASSERT_EQ(outcome.code, app::kFallen) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("fallen"));
+  const nlohmann::json report = scratch.json("r.json");
+  EXPECT_EQ(report["falls"], 1);
+  EXPECT_LT(report["duration_s"].get<double>(), 60.0);
+  const Table trace(scratch.table("t.csv"));
+  EXPECT_EQ(trace.text(trace.rows() - 1, "phase"), "fallen");
+}
+
+TEST(Drive, AnAv8rDrivesTheWholeProgram) {
+  // The stick's owner lives in SDL's own update: at each look of the program a little time has passed.
+  struct Hands {
+    int looks = 0;
+    SDL_Joystick* stick = nullptr;
+    static void update(void* self) {
+      auto& hands = *static_cast<Hands*>(self);
+      const int look = hands.looks++;
+      if (hands.stick == nullptr) return;
+      SDL_JoystickSetVirtualAxis(hands.stick, 2, 32767);
+      SDL_JoystickSetVirtualAxis(hands.stick, 4, look > 700 && look < 1000 ? -32768 : 32767);
+      SDL_JoystickSetVirtualHat(hands.stick, 0, look > 50 && look < 550 ? SDL_HAT_UP : SDL_HAT_CENTERED);
+      SDL_JoystickSetVirtualButton(hands.stick, 12, look > 650 && look < 1200 ? 1 : 0);  // mode A: foot
+      SDL_JoystickSetVirtualButton(hands.stick, 2, look > 640 && look < 660 ? 1 : 0);    // right
+    }
+  } hands;
+  const test::SdlJoysticks sdl;
+  SDL_VirtualJoystickDesc d{};
+  d.version = SDL_VIRTUAL_JOYSTICK_DESC_VERSION;
+  d.type = SDL_JOYSTICK_TYPE_FLIGHT_STICK;
+  d.naxes = 5;
+  d.nbuttons = 14;
+  d.nhats = 1;
+  d.vendor_id = 0x06a3;
+  d.product_id = 0x0461;
+  d.name = "Saitek Aviator (virtual)";
+  d.userdata = &hands;
+  d.Update = Hands::update;
+  const int index = SDL_JoystickAttachVirtualEx(&d);
+  ASSERT_GE(index, 0);
+  hands.stick = SDL_JoystickOpen(index);
+  const Scratch scratch;
+  const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "8", "--trace", scratch.path("t.csv"),
+                               "--report", scratch.path("r.json")});
+  SDL_JoystickClose(hands.stick);
+  hands.stick = nullptr;
+  SDL_JoystickDetachVirtual(index);
+  ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
+  EXPECT_GT(hands.looks, 1500);
+  const nlohmann::json report = scratch.json("r.json");
+  EXPECT_EQ(report["falls"], 0);
+  EXPECT_GT(report["final"]["com"][0].get<double>(), 0.05) << "the mini stick walks the robot forward";
+  const Table trace(scratch.table("t.csv"));
+  double lifted = 0.0;
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
+    if (trace.text(k, "guide") == "right_foot" && trace.text(k, "phase") == "single_left") lifted += 0.005;
+  }
+  EXPECT_GT(lifted, 0.2) << "the throttle lifts the foot";
+  EXPECT_NEAR(report["final"]["right_foot"]["p"][2].get<double>(), 0.0, 1e-3) << "and puts it down";
+}
+
+TEST(Drive, CtrlCBringsTheRobotToRestAndWritesWhatWasAskedFor) {
+  const Scratch scratch;
+  // The signal comes from the run itself: the stick's update raises it in the middle of a step.
+  struct Hands {
+    int looks = 0;
+    SDL_Joystick* stick = nullptr;
+    static void update(void* self) {
+      auto& hands = *static_cast<Hands*>(self);
+      if (hands.stick == nullptr) return;
+      SDL_JoystickSetVirtualAxis(hands.stick, 2, 32767);
+      SDL_JoystickSetVirtualAxis(hands.stick, 4, 32767);
+      SDL_JoystickSetVirtualHat(hands.stick, 0, hands.looks > 20 ? SDL_HAT_UP : SDL_HAT_CENTERED);
+      if (hands.looks++ == 100) std::raise(SIGINT);
+    }
+  } hands;
+  const test::SdlJoysticks sdl;
+  SDL_VirtualJoystickDesc d{};
+  d.version = SDL_VIRTUAL_JOYSTICK_DESC_VERSION;
+  d.type = SDL_JOYSTICK_TYPE_FLIGHT_STICK;
+  d.naxes = 5;
+  d.nbuttons = 14;
+  d.nhats = 1;
+  d.vendor_id = 0x06a3;
+  d.product_id = 0x0461;
+  d.userdata = &hands;
+  d.Update = Hands::update;
+  const int index = SDL_JoystickAttachVirtualEx(&d);
+  ASSERT_GE(index, 0);
+  hands.stick = SDL_JoystickOpen(index);
+  const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "60", "--trace",
+                               scratch.path("t.csv"), "--report", scratch.path("r.json")});
+  SDL_JoystickClose(hands.stick);
+  SDL_JoystickDetachVirtual(index);
+  EXPECT_EQ(outcome.code, app::kDone);
+  const nlohmann::json report = scratch.json("r.json");
+  EXPECT_LT(report["duration_s"].get<double>(), 3.0);
+  EXPECT_EQ(report["segments"]["committed"], 1);
+  const Table trace(scratch.table("t.csv"));
+  EXPECT_NE(trace.text(100, "phase"), "hold") << "it was moving";
+  EXPECT_NEAR(trace.number(trace.rows() - 1, "com_z"), 0.26, 0.005);
+}
+
+TEST(Plan, ShowsSegmentsAndRefusals) {
+  const Scratch scratch;
+  const Outcome outcome = run({"plan", scratch.write("walk.jsonl", kWalk)});
+  ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
+  const nlohmann::json plan = nlohmann::json::parse(outcome.out);
+  int refused = 0;
+  int steps = 0;
+  for (const auto& segment : plan["segments"]) {
+    if (segment.contains("refused")) {
+      ++refused;
+      EXPECT_EQ(segment["refused"]["reason"], "foot_region");
+      continue;
+    }
+    steps += segment["kind"] == "step" ? 1 : 0;
+    double sum = 0.0;
+    for (const auto& phase : segment["phases"]) sum += phase["duration"].get<double>();
+    EXPECT_NEAR(sum, segment["T"].get<double>(), 1e-9);
+    EXPECT_GE(segment["knots"].size(), 3u);
+    EXPECT_GE(segment["margins"].size(), 6u);
+    for (const char* part : {"left_foot", "right_foot", "left_hand", "right_hand", "trunk", "com"}) {
+      EXPECT_TRUE(segment["goal"].contains(part)) << part;
+    }
+  }
+  EXPECT_EQ(refused, 1);
+  EXPECT_GE(steps, 1);
+}
+
+TEST(Reproduce, TheRoomByScriptIsReachedAndDriveGivesTheSameTrace) {
+  const Scratch scratch;
+  const Outcome outcome = run({"reproduce", "room", "--out", scratch.path("room")});
+  ASSERT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
+  const nlohmann::json room = scratch.json("room/room.json");
+  EXPECT_EQ(room["falls"], 0);
+  EXPECT_EQ(room["reached"], true);
+  EXPECT_LT(room["hand_error_m"].get<double>(), 0.01);
+  EXPECT_LE(room["duration_s"].get<double>(), 110.0);
+  for (const char* file : {"room/fig10.svg", "room/fig11.svg", "room/fig12.png"}) {
+    EXPECT_GT(std::filesystem::file_size(scratch.path(file)), 10000u) << file;
+  }
+  const nlohmann::json report = scratch.json("room/room_report.json");
+  ASSERT_EQ(run({"drive", "--world", "room", "--input", "script:" + scratch.path("room/room.jsonl"), "--fast", "--seconds",
+                 std::to_string(report["duration_s"].get<double>()), "--trace", scratch.path("again.csv")}).code, app::kDone);
+  EXPECT_EQ(scratch.read("again.csv"), scratch.read("room/room.csv"));
+}
+
+TEST(Operate, TheOperatorReachesTheDoorFromRandomStarts) {
+  for (const char* seed : {"0", "1", "2", "3"}) {
+    const Outcome outcome = run({"operate", "--task", "room", "--seed", seed});
+    EXPECT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace baton
