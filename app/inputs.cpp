@@ -1,6 +1,7 @@
 #include "app/inputs.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <optional>
 
@@ -14,8 +15,14 @@ Inputs::Inputs(const std::string& choice) : choice_(choice) {
   const std::string script = "script:";
   if (choice.starts_with(script)) {
     owned_.push_back(std::make_unique<Script>(Script::load(choice.substr(script.size()))));
-  } else if (choice == "auto" || choice == "joystick") {
+  } else if (choice == "joystick") {
     owned_.push_back(std::make_unique<Joystick>());
+  } else if (choice == "auto") {
+    try {
+      owned_.push_back(std::make_unique<Joystick>());
+    } catch (const std::exception& error) {
+      spdlog::warn("going on without a joystick: {}", error.what());
+    }
   } else if (choice != "page") {
     throw InputError(fmt::format("--input {}: must be auto, joystick, page or script:FILE", choice));
   }

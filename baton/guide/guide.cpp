@@ -214,7 +214,9 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
   goal.trunk = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
   if (tilt(goal.trunk) > std::max(profile.region.trunk_inclination, tilt(from.trunk) - 1e-9)) {
-    return Refusal{Reason::trunk_inclination, Part::trunk, tilt(goal.trunk), profile.region.trunk_inclination, ""};
+    const Refusal against{Reason::trunk_inclination, Part::trunk, tilt(goal.trunk), profile.region.trunk_inclination, ""};
+    if ((goal.com - from.com).norm() < 1e-6) return against;
+    goal.trunk = from.trunk;  // it leans no farther, but it goes on
   }
   if ((goal.com - from.com).norm() < 1e-6 && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
@@ -239,16 +241,27 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
   if (turns) hand.R = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * hand.R;
   goal.hand[side] = hand;
 
+  const auto with_body_moved_by = [&](const Vec3& shift) {
+    Goal moved = goal;
+    moved.com += shift;
+    const double support = from.support_height();
+    moved.com.z() = support + std::clamp(moved.com.z() - support, profile.region.com_height.lo, profile.region.com_height.hi);
+    return moved;
+  };
   const Vec3 stretch = hand.p - from.shoulder[side];
   const double length = stretch.norm();
+  GuideResult result = std::vector<Goal>{goal};
   if (length > profile.region.hand_distance) {
-    goal.com += (length - profile.region.hand_distance) / length * stretch;
-    const double support = from.support_height();
-    goal.com.z() = support + std::clamp(goal.com.z() - support, profile.region.com_height.lo,
-                                        profile.region.com_height.hi);
-    return stand_under(context, goal);
+    result = stand_under(context, with_body_moved_by((length - profile.region.hand_distance) / length * stretch));
   }
-  return std::vector<Goal>{goal};
+  // What the arm cannot do, the body may: it goes along with the hand.
+  GuideResult along = stand_under(context, with_body_moved_by(hand.p - from.hand[side].p));
+  if (auto* more = std::get_if<std::vector<Goal>>(&along)) {
+    auto* goals = std::get_if<std::vector<Goal>>(&result);
+    if (goals == nullptr) return along;
+    goals->insert(goals->end(), more->begin(), more->end());
+  }
+  return result;
 }
 
 GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) const {

@@ -93,10 +93,13 @@ class Reader {
     const toml::array* array = node.as_array();
     if (const toml::table* entries = node.as_table()) {
       for (const auto& [name, entry] : *entries) {
-        complain_of_unknown_keys(entry, key.empty() ? std::string(name.str()) : fmt::format("{}.{}", key, name.str()));
+        const std::string prefix = key.empty() ? "" : key + ".";
+        complain_of_unknown_keys(entry, prefix + std::string(name.str()));
       }
     } else if (array != nullptr && array->is_array_of_tables()) {
-      for (std::size_t i = 0; i < array->size(); ++i) complain_of_unknown_keys((*array)[i], fmt::format("{}[{}]", key, i));
+      for (std::size_t i = 0; i < array->size(); ++i) {
+        complain_of_unknown_keys((*array)[i], fmt::format("{}[{}]", key, i));
+      }
     } else if (!asked_.contains(key)) {
       throw InputError(fmt::format("profile {}: {}: a profile has no such key", file_, key));
     }
@@ -192,8 +195,9 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.margin.self_collision = read.number("margin.self_collision", 0, 0.2);
   p.margin.edge = read.number("margin.edge", 0, 0.2);
   p.ik = {read.positive("ik.position", 0.01), read.positive("ik.rotation", 0.01), read.positive("ik.hand", 0.1)};
-  p.tick = {read.number("tick.period", 1e-4, 0.1), static_cast<int>(read.number("tick.lookahead", 1, 100))};
-  if (p.tick.lookahead != read.number("tick.lookahead", 1, 100)) read.complain("tick.lookahead", "a whole number");
+  const double lookahead = read.number("tick.lookahead", 1, 100);
+  if (lookahead != std::round(lookahead)) read.complain("tick.lookahead", "a whole number");
+  p.tick = {read.number("tick.period", 1e-4, 0.1), static_cast<int>(lookahead)};
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
   if (read.text("drive.kind") != "pd") read.complain("drive.kind", "\"pd\"");
   p.gains = servo_gains(read);

@@ -1,10 +1,16 @@
 #include "baton/navigate/navigator.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "baton/ik/stand.hpp"
 
 namespace baton {
+namespace {
+
+constexpr double kPatience = 0.05;  ///< from a refusal at rest to the next request [s]
+
+}  // namespace
 
 PlanningResult Planning::plan(const Problem& problem) {
   PlanningResult result{problem.take_over, problem.command, problem.context.anchor, std::monostate{}};
@@ -86,7 +92,7 @@ std::optional<Problem> Navigator::request() {
   const Pose anchor = anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact);
   // What was refused would be refused again, from the same place.
   const bool same_place = (anchor.p - refused_at_.p).norm() < 1e-3;
-  if (refusal_ && !motion_ && same_place) return std::nullopt;
+  if (!motion_ && ((refusal_ && same_place) || tick_ < not_before_)) return std::nullopt;
   asked_ = Problem{tick_ + lookahead, command_, {from, anchor, last_step_, foothold_}};
   return asked_;
 }
@@ -114,6 +120,7 @@ void Navigator::take_over() {
     refusal_ = *refusal;
     refused_ = result->command;
     refused_at_ = result->anchor;
+    not_before_ = tick_ + std::lround(kPatience / robot_->profile().tick.period);
   }
 }
 

@@ -58,7 +58,7 @@ class Navigator {
   const JointTarget& tick(const Measurement& measurement, const Command& command);
 
   /// The planning task that is due now, if one is: when the segment is about to end, or at rest when the operator
-  /// asks for something new. To be answered by `offer`, before the take-over or else in vain.
+  /// asks for something new, every 50 ms at most while that is refused. To be answered by `offer`, before the take-over or else in vain.
   [[nodiscard]] std::optional<Problem> request();
 
   /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
@@ -114,6 +114,7 @@ class Navigator {
   std::optional<Refusal> refusal_;
   Command refused_;                        ///< what `refusal_` answers
   Pose refused_at_;                        ///< anchor then
+  long not_before_ = 0;                    ///< tick of the next request from rest, after a refusal
 };
 
 }  // namespace baton

@@ -37,8 +37,8 @@ class StabiliserTest : public testing::TestWithParam<std::string> {
     return state;
   }
 
-  /// The wrench from the ground that these torques mean, read back through the legs: of a standing leg the six
-  /// rows of τ = ID − Jᵀf give f.
+  /// The wrench from the ground that these torques mean, read back through the legs: of a standing leg the
+  /// six rows of τ = ID − Jᵀf give f.
   [[nodiscard]] Wrench wrench_of(const MotionSample& sample, const VecX& tau) {
     kinematics_.set(sample.q);
     Wrench total;
@@ -139,7 +139,8 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
       ASSERT_LT((correction.dcm_error.head<2>() - error).norm(), 1e-12);
 
       const double margin = robot_.profile().margin.zmp_feedback;
-      const ConvexPolygon support = support_polygon(robot_, next.sole, next.contact, next.com, next.zmp_height);
+      const ConvexPolygon support =
+          support_polygon(robot_, next.sole, next.contact, next.com, next.zmp_height);
       ASSERT_GE(support.margin(correction.zmp), margin - 1e-9);
       if (support.margin(next.zmp) >= margin) {
         ASSERT_GE((correction.zmp - next.zmp).dot(error), -1e-12);

@@ -118,12 +118,15 @@ BySide<Pose> standing_soles(Random& random) {
   BySide<Pose> soles;
   for (const Side side : kSides) {
     soles[side].p = Vec3(random(-0.2, 0.2), sign_of(side) * random(0.04, 0.2), random(-0.05, 0.05));
-    soles[side].R = rotation_z(random(-0.4, 0.4)) * rotation_exp(Vec3(random(-0.05, 0.05), random(-0.05, 0.05), 0));
+    soles[side].R =
+        rotation_z(random(-0.4, 0.4)) * rotation_exp(Vec3(random(-0.05, 0.05), random(-0.05, 0.05), 0));
   }
   return soles;
 }
 
-double distance(const Pose& a, const Pose& b) { return (a.p - b.p).norm() + (a.R - b.R).norm(); }
+double distance(const Pose& a, const Pose& b) {
+  return (a.p - b.p).norm() + (a.R - b.R).norm();
+}
 
 TEST(AnchorCorrection, RecoversAPlanarMoveExactly) {
   Random random(5);
@@ -159,7 +162,8 @@ TEST(AnchorCorrection, LiesAsNearToBothSolesAsItCan) {
     const BySide<Pose> planned = standing_soles(random);
     const Pose moved = random.planar();
     BySide<Pose> measured{moved * planned.left, moved * planned.right};
-    for (const Side side : kSides) measured[side].p += random.vector(0.01);
+    for (const Side side : kSides)
+      measured[side].p += random.vector(0.01);
     const Pose found = anchor_correction(planned, measured, {true, true});
     const auto misfit = [&](const Pose& correction) {
       return (measured.left.p - correction * planned.left.p).squaredNorm() +

@@ -23,7 +23,8 @@ bool identical(const IkResult& a, const IkResult& b) {
   return a.residual.sole_position == b.residual.sole_position &&
          a.residual.sole_rotation == b.residual.sole_rotation && a.residual.com == b.residual.com &&
          a.residual.trunk == b.residual.trunk && a.residual.hand == b.residual.hand &&
-         a.iterations == b.iterations && a.bound_joint == b.bound_joint && a.finite_targets == b.finite_targets;
+         a.iterations == b.iterations && a.bound_joint == b.bound_joint &&
+         a.finite_targets == b.finite_targets;
 }
 
 class IkTest : public testing::TestWithParam<std::string> {
@@ -42,7 +43,8 @@ class IkTest : public testing::TestWithParam<std::string> {
     step.head<3>() = vector(0.1 * size_);
     step.segment<3>(3) = vector(0.2);
     for (const Side side : kSides) {
-      for (const int j : robot_.leg(side)) step[6 + j] = uniform(-legs, legs);
+      for (const int j : robot_.leg(side))
+        step[6 + j] = uniform(-legs, legs);
     }
     integrate(robot_, q, step, 1.0);
     for (int j = 0; j < n(); ++j) {
@@ -134,7 +136,8 @@ TEST_P(IkTest, ReachesWhatIsReachable) {
     ASSERT_TRUE(hands_arrived || trial % 2 == 0);
     arrived += hands_arrived;
     const double tolerance = hands_arrived ? 1e-6 : robot_.profile().ik.position;
-    ASSERT_LE(result.residual.sole_position, tolerance) << "trial " << trial << ", joint " << result.bound_joint;
+    ASSERT_LE(result.residual.sole_position, tolerance)
+        << "trial " << trial << ", joint " << result.bound_joint;
     ASSERT_LE(result.residual.sole_rotation, tolerance);
     ASSERT_LE(result.residual.com, tolerance);
     ASSERT_TRUE(!hands_arrived || result.residual.trunk <= 1e-4) << result.residual.trunk;
@@ -147,7 +150,8 @@ TEST_P(IkTest, ReachesWhatIsReachable) {
       if (targets.hand[side]) {
         ASSERT_LE((kinematics_.hand(side).p - targets.hand[side]->p).norm(), result.residual.hand + 1e-12);
       } else {
-        for (const int j : robot_.arm(side)) ASSERT_NEAR(q[7 + j], targets.arms[j], 1e-5);
+        for (const int j : robot_.arm(side))
+          ASSERT_NEAR(q[7 + j], targets.arms[j], 1e-5);
       }
     }
   }
@@ -198,7 +202,8 @@ TEST_P(IkTest, NeverBreaksABoundWhateverIsAsked) {
     const IkTargets targets = wild_targets();
     VecX previous = configuration(1.0);
     if (chance(0.2)) {  // some joints just at their limits
-      for (int j = 0; j < n(); j += 3) previous[7 + j] = chance(0.5) ? joint(j).position.lo : joint(j).position.hi;
+      for (int j = 0; j < n(); j += 3)
+        previous[7 + j] = chance(0.5) ? joint(j).position.lo : joint(j).position.hi;
     }
     VecX q = previous;
     if (chance(0.3)) q.tail(n()) += VecX::NullaryExpr(n(), [&] { return uniform(-3, 3); });
@@ -222,7 +227,8 @@ TEST_P(IkTest, NeverBreaksABoundWhateverIsAsked) {
 }
 
 TEST_P(IkTest, IgnoresATargetThatIsNotANumberAndServesTheOthers) {
-  // Two solutions of the same problem: the part without a target stays, all the others come where they should.
+  // Two solutions of the same problem: the part without a target stays, all the others come where they
+  // should.
   for (int trial = 0; trial < 500; ++trial) {
     const Side side = kSides[static_cast<std::size_t>(trial) % 2];
     IkTargets targets = standing(uniform(0.24, 0.28) * unit_);
@@ -273,7 +279,8 @@ TEST_P(IkTest, WhatIsTooHighDoesNotMakeItSwing) {
     const VecX previous = q;
     ik_.solve(standing(size_ + s * 0.06 * unit_), previous, period_, q, 3);
     ASSERT_TRUE(q.allFinite());
-    for (int j = 0; j < n(); ++j) ASSERT_LE(std::abs(q[7 + j] - previous[7 + j]), joint(j).speed * period_ + 1e-12);
+    for (int j = 0; j < n(); ++j)
+      ASSERT_LE(std::abs(q[7 + j] - previous[7 + j]), joint(j).speed * period_ + 1e-12);
   }
   for (int k = 0; k < 100; ++k) {
     const VecX previous = q;
@@ -289,7 +296,7 @@ TEST_P(IkTest, AnUnreachableHandDoesNotDisturbFeetAndCom) {
     IkTargets targets = standing(uniform(0.24, 0.275) * unit_);
     targets.com.head<2>() += 0.05 * vector(size_).head<2>();
     const Side side = kSides[static_cast<std::size_t>(trial) % 2];
-      // From just out of reach to far away.
+    // From just out of reach to far away.
     const Vec3 away = vector(1.0).normalized();
     targets.hand[side] = Pose{home_.hand[side].p + uniform(0.7, 4.0) * size_ * away, Mat3::Identity()};
     VecX q = home_.q;
@@ -336,8 +343,8 @@ TEST_P(IkTest, AHandGoesOutOfReachAndComesBack) {
 }
 
 TEST_P(IkTest, NoJointStaysAtABoundThatIsNoLongerNeeded) {
-  // Without hands to guide, targets leave no freedom: after a way far out of reach the configuration is the one
-  // that is found directly.
+  // Without hands to guide, targets leave no freedom: after a way far out of reach the configuration is the
+  // one that is found directly.
   int bound = 0;
   for (int trial = 0; trial < 40; ++trial) {
     const IkTargets back = standing(uniform(0.24, 0.275) * unit_);
@@ -348,7 +355,8 @@ TEST_P(IkTest, NoJointStaysAtABoundThatIsNoLongerNeeded) {
     far.sole[kSides[static_cast<std::size_t>(trial) % 2]].p += 0.3 * vector(size_);
     far.trunk = rotation_exp(vector(0.5));
     for (const Side side : kSides) {
-      for (const int j : robot_.arm(side)) far.arms[j] = joint(j).position.hi + 1.0;
+      for (const int j : robot_.arm(side))
+        far.arms[j] = joint(j).position.hi + 1.0;
     }
     VecX q = direct;
     for (int k = 0; k < 30; ++k) {
@@ -393,12 +401,14 @@ TEST_P(IkTest, BoundedAndFreeStepAgreeWhereTheBoundsBegin) {
     const VecX start = configuration(0.2);
     VecX goal = start;
     integrate(robot_, goal, VecX::NullaryExpr(robot_.nv(), [&] { return uniform(-0.02, 0.02); }), 1.0);
-    for (int j = 0; j < n(); ++j) goal[7 + j] = std::clamp(goal[7 + j], joint(j).position.lo, joint(j).position.hi);
+    for (int j = 0; j < n(); ++j)
+      goal[7 + j] = std::clamp(goal[7 + j], joint(j).position.lo, joint(j).position.hi);
     const IkTargets targets = targets_of(goal, trial % 2 == 0);
     VecX free = start;
     ASSERT_EQ(ik_.solve(targets, start, 100.0, free, 1).bound_joint, -1);
     double needed = 0.0;  // time in which the fastest joint can make its step
-    for (int j = 0; j < n(); ++j) needed = std::max(needed, std::abs(free[7 + j] - start[7 + j]) / joint(j).speed);
+    for (int j = 0; j < n(); ++j)
+      needed = std::max(needed, std::abs(free[7 + j] - start[7 + j]) / joint(j).speed);
     VecX inside = start;
     VecX outside = start;
     ASSERT_EQ(ik_.solve(targets, start, needed * (1.0 + 1e-7), inside, 1).bound_joint, -1);
@@ -423,7 +433,8 @@ TEST_P(IkTest, StandsAtEveryHeightItIsAllowed) {
       const Vec3 place(0, sign_of(side) * 0.5 * robot_.profile().stance.width, 0);
       EXPECT_LT((kinematics_.sole(side).p - start * place).norm(), 1e-6);
       EXPECT_LT(rotation_error(start.R, kinematics_.sole(side).R).norm(), 1e-6);
-      for (const int j : robot_.arm(side)) EXPECT_NEAR(posture.q[7 + j], joint(j).home, 1e-5);
+      for (const int j : robot_.arm(side))
+        EXPECT_NEAR(posture.q[7 + j], joint(j).home, 1e-5);
     }
   }
 }

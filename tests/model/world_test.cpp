@@ -38,8 +38,8 @@ struct Block {
     std::ostringstream text;
     text.precision(17);
     text << "<geom name=\"ground_" << number << "\" type=\"" << (plane ? "plane" : "box") << "\" pos=\""
-         << centre.transpose() << "\" quat=\"" << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\" size=\""
-         << half.x() << " " << half.y() << " " << (plane ? 0.1 : half.z()) << "\"/>\n";
+         << centre.transpose() << "\" quat=\"" << q.w() << " " << q.x() << " " << q.y() << " " << q.z()
+         << "\" size=\"" << half.x() << " " << half.y() << " " << (plane ? 0.1 : half.z()) << "\"/>\n";
     return text.str();
   }
 
@@ -65,7 +65,8 @@ struct Ground {
 
   [[nodiscard]] std::string mjcf() const {
     std::string text = kStart;
-    for (std::size_t i = 0; i < blocks.size(); ++i) text += blocks[i].mjcf(static_cast<int>(i));
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      text += blocks[i].mjcf(static_cast<int>(i));
     return text;
   }
 
@@ -126,7 +127,9 @@ Ground random_ground(Random& random, Kind kind) {
   return ground;
 }
 
-World world_of(const Ground& ground) { return World(file_of("random", ground.mjcf())); }
+World world_of(const Ground& ground) {
+  return World(file_of("random", ground.mjcf()));
+}
 
 /// A sole anywhere.
 ConvexPolygon random_sole(Random& random) {
@@ -135,7 +138,8 @@ ConvexPolygon random_sole(Random& random) {
   const Vec2 at = random.place(0.5);
   std::vector<Vec2> corners;
   for (const double u : {-1.0, 1.0}) {
-    for (const double v : {-1.0, 1.0}) corners.push_back(at + (R * Vec3(u * half.x(), v * half.y(), 0)).head<2>());
+    for (const double v : {-1.0, 1.0})
+      corners.push_back(at + (R * Vec3(u * half.x(), v * half.y(), 0)).head<2>());
   }
   return ConvexPolygon::hull(corners);
 }
@@ -272,8 +276,8 @@ TEST(World, AgreesWithARayFromAbove) {
 }
 
 TEST(World, KnowsTheDistanceToTheNearestStep) {
-  // On level faces: around a place, the height is the same up to the edge, and another beyond it (or the face's
-  // own edge lies there, level with its neighbour).
+  // On level faces: around a place, the height is the same up to the edge, and another beyond it (or the
+  // face's own edge lies there, level with its neighbour).
   Random random(5);
   int checked = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -290,7 +294,8 @@ TEST(World, KnowsTheDistanceToTheNearestStep) {
       };
       for (int k = 0; k < 72; ++k) {
         const double angle = 2.0 * M_PI * k / 72;
-        for (const double r : {0.3, 0.7, 0.999}) ASSERT_NEAR(height(r * found->edge, angle), found->height, 1e-9);
+        for (const double r : {0.3, 0.7, 0.999})
+          ASSERT_NEAR(height(r * found->edge, angle), found->height, 1e-9);
       }
       ASSERT_TRUE(ground.edge_within(at, found->edge + 1e-6));
       ASSERT_FALSE(found->edge <= 0.0);
@@ -371,9 +376,9 @@ TEST(World, TakesAFootholdIfAndOnlyIfItIsFlatUnderTheWholeSole) {
         continue;
       }
       const Foothold foothold = world.foothold(sole, flat, kEdge);
-      ASSERT_EQ(foothold.flat, surely) << "trial " << trial << ", sole at " << sole.centre().transpose()
-                                       << ": deviation " << foothold.deviation << ", sampled "
-                                       << worst(kEdge - kDoubt) << " … " << worst(kEdge + kDoubt);
+      ASSERT_EQ(foothold.flat, surely)
+          << "trial " << trial << ", sole at " << sole.centre().transpose() << ": deviation "
+          << foothold.deviation << ", sampled " << worst(kEdge - kDoubt) << " … " << worst(kEdge + kDoubt);
       ++seen[surely];
       if (!surely) continue;
       ASSERT_NEAR(foothold.height, centre->second, 1e-9);
@@ -395,7 +400,8 @@ TEST(World, KeepsASoleAwayFromAnEdgeByTheMargin) {
       std::vector<Vec2> corners;
       const double x = 0.12 - half - edge + beyond;
       for (const double u : {-half, half}) {
-        for (const double v : {-0.03, 0.03}) corners.emplace_back(x + u, v);
+        for (const double v : {-0.03, 0.03})
+          corners.emplace_back(x + u, v);
       }
       EXPECT_EQ(world.foothold(ConvexPolygon::hull(corners), flat, edge).flat, beyond < 0.0)
           << "edge " << edge << ", beyond " << beyond;
@@ -437,7 +443,8 @@ std::string complaint(const Make& make) {
 }
 
 TEST(World, NamesWhatIsWrongWithAFile) {
-  EXPECT_THAT(complaint([] { return World::load("nowhere"); }), AllOf(HasSubstr("nowhere"), HasSubstr("worlds")));
+  EXPECT_THAT(complaint([] { return World::load("nowhere"); }),
+              AllOf(HasSubstr("nowhere"), HasSubstr("worlds")));
   EXPECT_THAT(complaint([] { return World::load("/no/such/place.xml"); }), HasSubstr("/no/such/place.xml"));
   const auto expect = [](const std::string& name, const std::string& body, const std::string& thing) {
     const auto file = file_of(name, body);
@@ -447,8 +454,10 @@ TEST(World, NamesWhatIsWrongWithAFile) {
   expect("empty", kStart, "ground");
   expect("no_start", floor, "start");
   expect("ball", kStart + floor + "<geom name=\"ground_ball\" type=\"sphere\" size=\"0.1\"/>", "ground_ball");
-  expect("wall", kStart + R"(<geom name="ground_wall" type="plane" size="1 1 0.1" zaxis="1 0 0"/>)", "ground_wall");
-  expect("ceiling", kStart + R"(<geom name="ground_lid" type="plane" size="1 1 0.1" zaxis="0 0 -1"/>)", "ground_lid");
+  expect("wall", kStart + R"(<geom name="ground_wall" type="plane" size="1 1 0.1" zaxis="1 0 0"/>)",
+         "ground_wall");
+  expect("ceiling", kStart + R"(<geom name="ground_lid" type="plane" size="1 1 0.1" zaxis="0 0 -1"/>)",
+         "ground_lid");
   expect("broken", kStart + "<geom name=\"ground\" type=\"plane\"", "");
   expect("unknown", kStart + floor + "<geom name=\"x\" type=\"potato\" size=\"1\"/>", "potato");
   expect("negative", kStart + floor + "<geom name=\"x\" type=\"box\" size=\"-1 1 1\"/>", "");
@@ -480,14 +489,17 @@ TEST_P(ComposeTest, GivesHonestPhysics) {
     EXPECT_EQ(m->ntendon, 0);
     EXPECT_EQ(m->opt.viscosity, 0.0);
     EXPECT_EQ(m->opt.density, 0.0);
-    for (int b = 0; b < m->nbody; ++b) EXPECT_EQ(m->body_gravcomp[b], 0.0) << name_of(*m, mjOBJ_BODY, b);
+    for (int b = 0; b < m->nbody; ++b)
+      EXPECT_EQ(m->body_gravcomp[b], 0.0) << name_of(*m, mjOBJ_BODY, b);
     for (int j = 0; j < m->njnt; ++j) {
       EXPECT_EQ(m->jnt_stiffness[j], 0.0);
       EXPECT_FALSE(m->jnt_actgravcomp[j]);
     }
     const DataPtr data(mj_makeData(m.get()));
-    for (int i = 0; i < m->nv; ++i) EXPECT_EQ(data->qfrc_applied[i], 0.0);
-    for (int i = 0; i < 6 * m->nbody; ++i) EXPECT_EQ(data->xfrc_applied[i], 0.0);
+    for (int i = 0; i < m->nv; ++i)
+      EXPECT_EQ(data->qfrc_applied[i], 0.0);
+    for (int i = 0; i < 6 * m->nbody; ++i)
+      EXPECT_EQ(data->xfrc_applied[i], 0.0);
   }
 }
 
@@ -505,12 +517,18 @@ TEST_P(ComposeTest, KeepsNamesAndOrderOfTheRobot) {
     for (const mjtObj type : {mjOBJ_BODY, mjOBJ_JOINT, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_ACTUATOR, mjOBJ_PAIR}) {
       const auto count = [type](const mjModel& model) {
         switch (type) {
-          case mjOBJ_BODY: return model.nbody;
-          case mjOBJ_JOINT: return model.njnt;
-          case mjOBJ_GEOM: return model.ngeom;
-          case mjOBJ_SITE: return model.nsite;
-          case mjOBJ_ACTUATOR: return model.nu;
-          default: return model.npair;
+          case mjOBJ_BODY:
+            return model.nbody;
+          case mjOBJ_JOINT:
+            return model.njnt;
+          case mjOBJ_GEOM:
+            return model.ngeom;
+          case mjOBJ_SITE:
+            return model.nsite;
+          case mjOBJ_ACTUATOR:
+            return model.nu;
+          default:
+            return model.npair;
         }
       };
       for (const mjModel* part : {&alone, &world.mj()}) {
@@ -555,7 +573,8 @@ TEST_P(ComposeTest, SavedTextIsTheVeryModel) {
     ASSERT_EQ(again->nbody, model->nbody);
     ASSERT_EQ(again->ngeom, model->ngeom);
     ASSERT_EQ(again->npair, model->npair);
-    for (int i = 0; i < model->nbody; ++i) EXPECT_EQ(again->body_mass[i], model->body_mass[i]);
+    for (int i = 0; i < model->nbody; ++i)
+      EXPECT_EQ(again->body_mass[i], model->body_mass[i]);
     for (int i = 0; i < 3 * model->nbody; ++i) {
       EXPECT_EQ(again->body_inertia[i], model->body_inertia[i]);
       EXPECT_EQ(again->body_ipos[i], model->body_ipos[i]);
@@ -571,8 +590,9 @@ TEST_P(ComposeTest, SavedTextIsTheVeryModel) {
 
 TEST_P(ComposeTest, TwoThingsOfOneNameAreBadInput) {
   const std::string twin = name_of(robot_.mj(), mjOBJ_SITE, 0);
-  const World world(file_of("twin", kStart + "<geom name=\"ground\" type=\"plane\" size=\"1 1 0.1\"/><site name=\"" +
-                                        twin + "\"/>"));
+  const World world(file_of(
+      "twin",
+      kStart + "<geom name=\"ground\" type=\"plane\" size=\"1 1 0.1\"/><site name=\"" + twin + "\"/>"));
   EXPECT_THAT(complaint([&] { return world.compose(robot_, 0.001); }), HasSubstr(twin));
 }
 

@@ -167,6 +167,9 @@ def hull_margin(points, valid, x):
 
     points (N, P, 2), valid (N, P) which of them count, x (N, 2)."""
     n, count, _ = points.shape
+    points = np.where(valid[..., None], points, 0.0)
+    known = np.isfinite(x).all(axis=1)
+    x = np.where(known[:, None], x, 0.0)
     margin = np.full(n, np.inf)
     edges = np.zeros(n, int)
     for i in range(count):
@@ -181,7 +184,7 @@ def hull_margin(points, valid, x):
             distance = cross2(along, x - points[:, i]) / np.maximum(length, 1e-12)
             margin = np.where(usable, np.minimum(margin, distance), margin)
             edges += usable
-    margin[(edges < 3) | ~np.isfinite(x).all(axis=1)] = -np.inf
+    margin[(edges < 3) | ~known] = -np.inf
     return margin
 
 
@@ -584,7 +587,7 @@ def check(trace_file, model_file, profile_file, on="ideal", report=None):
         # The least distance of the measured ZMP from the edge of what is touched.
         said = np.stack([trace.number["zmp_x"], trace.number["zmp_y"]], axis=1)
         stands = touch.any(axis=1) & np.isfinite(said).all(axis=1)
-        least = hull_margin(*support(motion.corners, motion.com, touch)[:2], said)[stands].min()
+        least = hull_margin(*support(motion.corners[stands], motion.com[stands], touch[stands])[:2], said[stands]).min()
         found.numbers["zmp_measured_inside"] = _json(least)
         found.at_most("report_zmp_margin", np.array([abs(report["zmp_margin_m"]["measured_min"] - least)]), 5e-4)
     return _summary(found, trace, on)

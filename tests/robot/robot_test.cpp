@@ -38,7 +38,8 @@ class RobotTest : public testing::TestWithParam<Kind> {
                m.imu.rate.allFinite() && m.imu.acceleration.allFinite() && m.root.has_value() &&
                m.root->pose.p.allFinite() && m.root->pose.R.allFinite() && m.root->velocity.allFinite() &&
                m.root->rate.allFinite();
-    for (const Side side : kSides) all = all && m.sole[side].force.allFinite() && m.sole[side].moment.allFinite();
+    for (const Side side : kSides)
+      all = all && m.sole[side].force.allFinite() && m.sole[side].moment.allFinite();
     return all;
   }
 
@@ -143,7 +144,8 @@ TEST_P(RobotTest, MovesTheJointThatIsMeant) {
       }
       const VecX moved = body->read().q - home_.q.tail(n_);
       for (int i = 0; i < n_; ++i) {
-        EXPECT_NEAR(moved[i], i == j ? by : 0.0, ideal() ? 1e-12 : 0.03) << "joint " << i << " when " << j << " moves";
+        EXPECT_NEAR(moved[i], i == j ? by : 0.0, ideal() ? 1e-12 : 0.03)
+            << "joint " << i << " when " << j << " moves";
       }
     }
   }
@@ -156,7 +158,8 @@ TEST_P(RobotTest, MeasuresWhatIsTrue) {
   VecX offset = VecX::Zero(n_);
   for (int tick = 0; tick < 200; ++tick) {
     for (const Side side : kSides) {
-      for (const int j : robot_.arm(side)) offset[j] = std::clamp(offset[j] + 0.005 * uniform(random), -0.2, 0.2);
+      for (const int j : robot_.arm(side))
+        offset[j] = std::clamp(offset[j] + 0.005 * uniform(random), -0.2, 0.2);
     }
     hold(*body, offset);
     const Measurement m = body->read();
@@ -184,7 +187,8 @@ TEST_P(RobotTest, IsNotDisturbedByBeingRead) {
   const auto often = make();
   for (int tick = 0; tick < 100; ++tick) {
     const JointTarget target = hold(*once);
-    for (int k = 0; k < 3; ++k) static_cast<void>(often->read());
+    for (int k = 0; k < 3; ++k)
+      static_cast<void>(often->read());
     often->write(target);
     ASSERT_EQ(once->truth().q, often->truth().q);
     ASSERT_EQ(once->truth().dq, often->truth().dq);

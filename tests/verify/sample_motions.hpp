@@ -25,7 +25,8 @@ inline const std::vector<Motion>& sample_motions(const std::string& name) {
   for (std::size_t k = 0; k < 30; ++k) {
     Command command;
     command.guide = kParts[k % kParts.size()];
-    for (double& axis : command.axes) axis = uniform(random);
+    for (double& axis : command.axes)
+      axis = uniform(random);
     if (k % 3 == 0) command.lift = {1.0, 1.0};
     const GuideResult guided = guide.goals(context, command);
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);

@@ -40,7 +40,8 @@ class VerifierTest : public testing::TestWithParam<std::string> {
   [[nodiscard]] Certificate certificate_of(Motion motion, const Pose& anchor = {}) {
     return certificate_of(std::move(motion), verifier_, anchor);
   }
-  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Pose& anchor = {}) {
+  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier,
+                                                  const Pose& anchor = {}) {
     const auto verdict = verifier.verify(motion, anchor);
     if (const auto* certificate = std::get_if<Certificate>(&verdict)) return *certificate;
     const Refusal& refusal = std::get<Refusal>(verdict);
@@ -203,7 +204,8 @@ TEST_P(VerifierTest, RefusesSolesThatPassTooClosely) {
   const Side swing = *motion.goal.swing;
   const double gap = 0.5 * robot_.profile().region.sole_gap;
   double half_width = 0.0;
-  for (const Vec2& vertex : robot_.sole(swing).vertices()) half_width = std::max(half_width, vertex.y());
+  for (const Vec2& vertex : robot_.sole(swing).vertices())
+    half_width = std::max(half_width, vertex.y());
   const Pose beside{Vec3(0.0, sign_of(swing) * (2.0 * half_width + gap), 0.1 * size_), Mat3::Identity()};
   sample.sole[swing] = sample.sole[other(swing)] * beside;
   const Refusal refusal = refusal_of(motion);
@@ -259,8 +261,8 @@ World floor_with_box(const std::string& name, const Vec3& centre, double half) {
   std::ofstream(file) << "<mujoco model=\"box\"><worldbody>\n"
                       << "<geom name=\"ground\" type=\"plane\" size=\"0 0 0.05\"/>\n"
                       << "<site name=\"start\" pos=\"0 0 0\"/>\n"
-                      << "<geom name=\"crate\" type=\"box\" pos=\"" << centre.transpose() << "\" size=\"" << half
-                      << " " << half << " " << half << "\"/></worldbody></mujoco>\n";
+                      << "<geom name=\"crate\" type=\"box\" pos=\"" << centre.transpose() << "\" size=\""
+                      << half << " " << half << " " << half << "\"/></worldbody></mujoco>\n";
   return World(file);
 }
 
@@ -308,7 +310,8 @@ TEST_P(VerifierTest, MeasuresTheDistanceToAThing) {
         const double* size = robot_.mj().geom_size + 3 * g;
         double reach = 0.0;  // of the geom along y
         if (robot_.mj().geom_type[g] == mjGEOM_BOX) {
-          for (int axis = 0; axis < 3; ++axis) reach += size[axis] * std::abs(R(1, axis));
+          for (int axis = 0; axis < 3; ++axis)
+            reach += size[axis] * std::abs(R(1, axis));
         } else {
           ASSERT_EQ(robot_.mj().geom_type[g], mjGEOM_CAPSULE);
           reach = size[0] + size[1] * std::abs(R(1, 2));
@@ -341,22 +344,37 @@ TEST_P(VerifierTest, RefusesWhatIsNotANumber) {
     const auto nv = static_cast<std::size_t>(robot_.nv());
     const Side side = kSides[random() % 2];
     switch (trial % 7) {
-      case 0: sample.q[static_cast<Eigen::Index>(random() % (nv + 1))] = bad; break;
-      case 1: sample.dq[static_cast<Eigen::Index>(random() % nv)] = bad; break;
-      case 2: sample.ddq[static_cast<Eigen::Index>(random() % nv)] = bad; break;
-      case 3: sample.com[static_cast<Eigen::Index>(random() % 3)] = bad; break;
-      case 4: sample.sole[side].p[static_cast<Eigen::Index>(random() % 3)] = bad; break;
-      case 5: sample.sole[side].R(static_cast<Eigen::Index>(random() % 3), 1) = bad; break;
-      default: sample.dcom[static_cast<Eigen::Index>(random() % 3)] = bad; break;
+      case 0:
+        sample.q[static_cast<Eigen::Index>(random() % (nv + 1))] = bad;
+        break;
+      case 1:
+        sample.dq[static_cast<Eigen::Index>(random() % nv)] = bad;
+        break;
+      case 2:
+        sample.ddq[static_cast<Eigen::Index>(random() % nv)] = bad;
+        break;
+      case 3:
+        sample.com[static_cast<Eigen::Index>(random() % 3)] = bad;
+        break;
+      case 4:
+        sample.sole[side].p[static_cast<Eigen::Index>(random() % 3)] = bad;
+        break;
+      case 5:
+        sample.sole[side].R(static_cast<Eigen::Index>(random() % 3), 1) = bad;
+        break;
+      default:
+        sample.dcom[static_cast<Eigen::Index>(random() % 3)] = bad;
+        break;
     }
     const Refusal refusal = refusal_of(motion);
-    EXPECT_EQ(refusal.reason, Reason::not_finite) << "kind " << trial % 7 << ": " << to_string(refusal.reason);
+    EXPECT_EQ(refusal.reason, Reason::not_finite)
+        << "kind " << trial % 7 << ": " << to_string(refusal.reason);
   }
 }
 
 TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
-  // With a limit a little beyond the value that the certificate gives, the motion passes; a little short of it,
-  // it is refused for that very reason, with that value.
+  // With a limit a little beyond the value that the certificate gives, the motion passes; a little short of
+  // it, it is refused for that very reason, with that value.
   for (std::size_t i = 0; i < motions_.size(); i += 6) {
     const Motion& motion = motions_[i];
     for (const Margin& margin : motion.certificate.margins) {
@@ -364,12 +382,23 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
         Profile profile = robot_.profile();
         const double tiny = (strict ? 1e-6 : -1e-6) * (1.0 + std::abs(margin.value));
         switch (margin.quantity) {
-          case Reason::zmp: profile.margin.zmp_verify = margin.value + tiny; break;
-          case Reason::joint_limit: profile.margin.joint = margin.value + tiny; break;
-          case Reason::joint_torque: profile.margin.torque = margin.value - tiny; break;
-          case Reason::friction: profile.margin.friction = margin.value - tiny; break;
-          case Reason::sole_gap: profile.region.sole_gap = margin.value + tiny; break;
-          default: continue;
+          case Reason::zmp:
+            profile.margin.zmp_verify = margin.value + tiny;
+            break;
+          case Reason::joint_limit:
+            profile.margin.joint = margin.value + tiny;
+            break;
+          case Reason::joint_torque:
+            profile.margin.torque = margin.value - tiny;
+            break;
+          case Reason::friction:
+            profile.margin.friction = margin.value - tiny;
+            break;
+          case Reason::sole_gap:
+            profile.region.sole_gap = margin.value + tiny;
+            break;
+          default:
+            continue;
         }
         const RobotModel other(profile);
         Verifier verifier(other, world_);
@@ -475,11 +504,13 @@ TEST_P(VerifierTest, TheTorqueIsThatOfInverseDynamicsInTheWholeModel) {
         wrench << shared[side].force, shared[side].moment;
         tau -= jacobian.transpose() * wrench;
       }
-      ASSERT_LT(tau.head<6>().norm(), 1e-8 * robot_.mass() * kGravity);  // nothing is left for the trunk to bear
+      ASSERT_LT(tau.head<6>().norm(),
+                1e-8 * robot_.mass() * kGravity);  // nothing is left for the trunk to bear
       for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
         const auto dof = static_cast<Eigen::Index>(6 + j);
         const Motor& motor = robot_.joints()[j].motor;
-        worst = std::max(worst, (std::abs(tau[dof]) + motor.damping * std::abs(sample.dq[dof])) / motor.stall);
+        worst =
+            std::max(worst, (std::abs(tau[dof]) + motor.damping * std::abs(sample.dq[dof])) / motor.stall);
       }
     }
     for (const Margin& margin : motion.certificate.margins) {
