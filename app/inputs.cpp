@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <optional>
+#include <algorithm>
 
 #include "baton/input/joystick.hpp"
 #include "baton/input/script.hpp"
@@ -34,18 +34,28 @@ void Inputs::add_page(Device& page) {
 }
 
 Command Inputs::read(double t) {
-  std::optional<Command> chosen;
-  active_ = nullptr;
-  Command last;
+  struct Reading {
+    const Device* device;
+    Command command;
+    bool armed;
+  };
+  std::vector<Reading> readings;
   for (Device* device : devices_) {
     const Command command = device->read(t);
-    if (!chosen && device->status().armed) {
-      chosen = command;
-      active_ = device;
-    }
-    last = command;
+    readings.push_back({device, command, device->status().armed});
   }
-  return chosen.value_or(last);
+  const auto find = [&](const auto& fits) {
+    const auto it = std::find_if(readings.begin(), readings.end(), fits);
+    return it == readings.end() ? nullptr : &*it;
+  };
+  // Who is in use stays in use; a device at rest gives way to one that is not.
+  const Reading* chosen = find([&](const Reading& r) { return r.armed && r.device == active_ && !r.command.neutral(); });
+  if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed && !r.command.neutral(); });
+  if (chosen == nullptr) chosen = find([&](const Reading& r) { return r.armed && r.device == active_; });
+  if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed; });
+  active_ = chosen == nullptr ? nullptr : chosen->device;
+  if (chosen != nullptr) return chosen->command;
+  return readings.empty() ? Command{} : readings.back().command;
 }
 
 DeviceStatus Inputs::status() const {

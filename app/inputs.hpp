@@ -18,7 +18,7 @@ class Inputs {
   /// The page, if there is one, as a device; unused where the choice is a joystick or a script.
   void add_page(Device& page);
 
-  /// The newest command of the device that counts: the first that is armed, the joystick before the page.
+  /// The newest command of the device that counts: the armed one that is in use, until it rests and another is not.
   [[nodiscard]] Command read(double t);
 
   [[nodiscard]] DeviceStatus status() const;

@@ -181,44 +181,17 @@ TEST(Drive, AFallEndsTheRunAndIsReported) {
 }
 
 TEST(Drive, AnAv8rDrivesTheWholeProgram) {
-  // The stick's owner lives in SDL's own update: at each look of the program a little time has passed.
-  struct Hands {
-    int looks = 0;
-    SDL_Joystick* stick = nullptr;
-    static void update(void* self) {
-      auto& hands = *static_cast<Hands*>(self);
-      const int look = hands.looks++;
-      if (hands.stick == nullptr) return;
-      SDL_JoystickSetVirtualAxis(hands.stick, 2, 32767);
-      SDL_JoystickSetVirtualAxis(hands.stick, 4, look > 700 && look < 1000 ? -32768 : 32767);
-      SDL_JoystickSetVirtualHat(hands.stick, 0, look > 50 && look < 550 ? SDL_HAT_UP : SDL_HAT_CENTERED);
-      SDL_JoystickSetVirtualButton(hands.stick, 12, look > 650 && look < 1200 ? 1 : 0);  // mode A: foot
-      SDL_JoystickSetVirtualButton(hands.stick, 2, look > 640 && look < 660 ? 1 : 0);    // right
-    }
-  } hands;
   const test::SdlJoysticks sdl;
-  SDL_VirtualJoystickDesc d{};
-  d.version = SDL_VIRTUAL_JOYSTICK_DESC_VERSION;
-  d.type = SDL_JOYSTICK_TYPE_FLIGHT_STICK;
-  d.naxes = 5;
-  d.nbuttons = 14;
-  d.nhats = 1;
-  d.vendor_id = 0x06a3;
-  d.product_id = 0x0461;
-  d.name = "Saitek Aviator (virtual)";
-  d.userdata = &hands;
-  d.Update = Hands::update;
-  const int index = SDL_JoystickAttachVirtualEx(&d);
-  ASSERT_GE(index, 0);
-  hands.stick = SDL_JoystickOpen(index);
+  test::HeldAv8r stick([](test::HeldAv8r& hands, int look) {
+    hands.hat(look > 50 && look < 550 ? SDL_HAT_UP : SDL_HAT_CENTERED);
+    hands.button(12, look > 650 && look < 1200);  // mode A: foot
+    hands.button(2, look > 640 && look < 660);    // the right one
+    hands.axis(4, look > 700 && look < 1000 ? -1.0 : 1.0);
+  });
   const Scratch scratch;
-  const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "8", "--trace", scratch.path("t.csv"),
-                               "--report", scratch.path("r.json")});
-  SDL_JoystickClose(hands.stick);
-  hands.stick = nullptr;
-  SDL_JoystickDetachVirtual(index);
+  const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "8", "--trace",
+                               scratch.path("t.csv"), "--report", scratch.path("r.json")});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
-  EXPECT_GT(hands.looks, 1500);
   const nlohmann::json report = scratch.json("r.json");
   EXPECT_EQ(report["falls"], 0);
   EXPECT_GT(report["final"]["com"][0].get<double>(), 0.05) << "the mini stick walks the robot forward";
@@ -232,38 +205,14 @@ TEST(Drive, AnAv8rDrivesTheWholeProgram) {
 }
 
 TEST(Drive, CtrlCBringsTheRobotToRestAndWritesWhatWasAskedFor) {
-  const Scratch scratch;
-  // The signal comes from the run itself: the stick's update raises it in the middle of a step.
-  struct Hands {
-    int looks = 0;
-    SDL_Joystick* stick = nullptr;
-    static void update(void* self) {
-      auto& hands = *static_cast<Hands*>(self);
-      if (hands.stick == nullptr) return;
-      SDL_JoystickSetVirtualAxis(hands.stick, 2, 32767);
-      SDL_JoystickSetVirtualAxis(hands.stick, 4, 32767);
-      SDL_JoystickSetVirtualHat(hands.stick, 0, hands.looks > 20 ? SDL_HAT_UP : SDL_HAT_CENTERED);
-      if (hands.looks++ == 100) std::raise(SIGINT);
-    }
-  } hands;
   const test::SdlJoysticks sdl;
-  SDL_VirtualJoystickDesc d{};
-  d.version = SDL_VIRTUAL_JOYSTICK_DESC_VERSION;
-  d.type = SDL_JOYSTICK_TYPE_FLIGHT_STICK;
-  d.naxes = 5;
-  d.nbuttons = 14;
-  d.nhats = 1;
-  d.vendor_id = 0x06a3;
-  d.product_id = 0x0461;
-  d.userdata = &hands;
-  d.Update = Hands::update;
-  const int index = SDL_JoystickAttachVirtualEx(&d);
-  ASSERT_GE(index, 0);
-  hands.stick = SDL_JoystickOpen(index);
+  test::HeldAv8r stick([](test::HeldAv8r& hands, int look) {
+    hands.hat(look > 20 ? SDL_HAT_UP : SDL_HAT_CENTERED);
+    if (look == 100) std::raise(SIGINT);  // in the middle of a step
+  });
+  const Scratch scratch;
   const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "60", "--trace",
                                scratch.path("t.csv"), "--report", scratch.path("r.json")});
-  SDL_JoystickClose(hands.stick);
-  SDL_JoystickDetachVirtual(index);
   EXPECT_EQ(outcome.code, app::kDone);
   const nlohmann::json report = scratch.json("r.json");
   EXPECT_LT(report["duration_s"].get<double>(), 3.0);

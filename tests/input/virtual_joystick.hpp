@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <functional>
+#include <memory>
+#include <utility>
 
 namespace baton::test {
 
@@ -65,12 +68,14 @@ class VirtualJoystick {
 /// An AV8R at rest: both levers pulled back.
 class VirtualAv8r : public VirtualJoystick {
  public:
-  VirtualAv8r() : VirtualJoystick(description()) {
+  VirtualAv8r() : VirtualAv8r(description()) {}
+
+ protected:
+  explicit VirtualAv8r(const SDL_VirtualJoystickDesc& d) : VirtualJoystick(d) {
     axis(2, 1.0);
     axis(4, 1.0);
   }
 
- private:
   static SDL_VirtualJoystickDesc description() {
     SDL_VirtualJoystickDesc d{};
     d.type = SDL_JOYSTICK_TYPE_FLIGHT_STICK;
@@ -82,6 +87,37 @@ class VirtualAv8r : public VirtualJoystick {
     d.name = "Saitek Aviator (virtual)";
     return d;
   }
+};
+
+/// An AV8R with hands on it: SDL calls them at each look of the program, so that what they do depends on nothing but
+/// the number of looks.
+class HeldAv8r : public VirtualAv8r {
+ public:
+  using Hands = std::function<void(HeldAv8r&, int look)>;
+  explicit HeldAv8r(Hands hands) : HeldAv8r(std::make_unique<Grip>(Grip{std::move(hands), nullptr, 0})) {}
+  ~HeldAv8r() { unplug(); }
+
+ private:
+  /// What SDL hands back to us: made before the stick, which SDL may look at while it is made.
+  struct Grip {
+    Hands hands;
+    HeldAv8r* stick;
+    int looks;
+  };
+  explicit HeldAv8r(std::unique_ptr<Grip> grip) : VirtualAv8r(held(grip.get())), grip_(std::move(grip)) {
+    grip_->stick = this;
+  }
+  static SDL_VirtualJoystickDesc held(Grip* grip) {
+    SDL_VirtualJoystickDesc d = description();
+    d.userdata = grip;
+    d.Update = [](void* data) {
+      auto& held = *static_cast<Grip*>(data);
+      if (held.stick != nullptr) held.hands(*held.stick, held.looks++);
+    };
+    return d;
+  }
+
+  std::unique_ptr<Grip> grip_;
 };
 
 /// A pad at rest; its axes and buttons are SDL_GameControllerAxis and SDL_GameControllerButton.
