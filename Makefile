@@ -54,8 +54,8 @@ ci-clang: setup-dev ## build with clang, warnings as errors
 	cmake --preset clang
 	cmake --build --preset clang
 
-bench: build ## run the benches (ARGS="--benchmark_filter=...")
-	$(BUILD)/baton_bench $(ARGS)
+bench: build ## print CPU times of planning, inverse kinematics, a tick and physics
+	$(BUILD)/baton_bench
 
 format: setup-dev ## format all C++ sources
 	scripts/lint --format

@@ -17,21 +17,34 @@ std::atomic<bool> interrupted{false};
 
 namespace {
 
-void on_interrupt(int /*signal*/) { interrupted = true; }
+void on_interrupt(int /*signal*/) {
+  interrupted = true;
+}
 
 void add_drive(CLI::App& command, DriveOptions& o) {
-  command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")->capture_default_str();
+  command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
+      ->capture_default_str();
   command.add_option("--world", o.world, "World: a name in worlds/, or an .xml file")->capture_default_str();
-  command.add_option("--on", o.on, "sim: physics; ideal: joints do what they are told")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
+  command.add_option("--on", o.on, "sim: physics; ideal: joints do what they are told")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"sim", "ideal"}));
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
-  command.add_option("--duration", o.duration, "How a segment's duration is found: paper or search")->capture_default_str()->check(CLI::IsMember({"paper", "search"}));
-  command.add_option("--gait", o.gait, "stop after each segment, or flow")->capture_default_str()->check(CLI::IsMember({"stop", "flow"}));
-  command.add_option("--on-limit", o.on_limit, "What happens to a goal that cannot be reached: discard or shrink")->capture_default_str()->check(CLI::IsMember({"discard", "shrink"}));
+  command.add_option("--duration", o.duration, "How a segment's duration is found: paper or search")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"paper", "search"}));
+  command.add_option("--gait", o.gait, "stop after each segment, or flow")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"stop", "flow"}));
+  command.add_option("--on-limit", o.on_limit, "What happens to a goal that cannot be reached: discard or shrink")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"discard", "shrink"}));
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")->check(CLI::PositiveNumber);
   command.add_option("--seed", o.seed, "Recorded in the report")->capture_default_str();
   command.add_flag("--headless", o.headless, "No page");
   command.add_flag("--fast", o.fast, "Do not wait for the clock on the wall (needs --seconds; no page)");
-  command.add_option("--port", o.port, "Port of the page; 0: any that is free")->capture_default_str()->check(CLI::Range(0, 65535));
+  command.add_option("--port", o.port, "Port of the page; 0: any that is free")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 65535));
   command.add_option("--trace", o.trace, "Write every tick to this .csv file");
   command.add_option("--save-model", o.save_model, "Write the model that is stepped to this .xml file");
   command.add_option("--report", o.report, "Write the run in numbers to this .json file");
@@ -48,9 +61,11 @@ int parse_and_run(std::vector<std::string> args) {
   app.parse_complete_callback([&verbose] { spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::info); });
 
   // Plain `baton` is `baton drive`.
-  const bool names_command = std::any_of(args.begin(), args.end(), [](const std::string& arg) { return !arg.starts_with("-"); }) &&
-                             !args.empty() && !args.front().starts_with("-");
-  const bool asks_about_all = !args.empty() && (args.front() == "--help" || args.front() == "-h" || args.front() == "--version");
+  const bool names_command =
+      std::any_of(args.begin(), args.end(), [](const std::string& arg) { return !arg.starts_with("-"); }) &&
+      !args.empty() && !args.front().starts_with("-");
+  const bool asks_about_all =
+      !args.empty() && (args.front() == "--help" || args.front() == "-h" || args.front() == "--version");
   if (!names_command && !asks_about_all) args.insert(args.begin(), "drive");
 
   DriveOptions drive_options;
@@ -63,21 +78,32 @@ int parse_and_run(std::vector<std::string> args) {
   plan_command->add_option("--robot", plan_options.robot, "Robot")->capture_default_str();
   plan_command->add_option("--world", plan_options.world, "World")->capture_default_str();
 
-  plan_command->add_option("--seconds", plan_options.seconds, "How long the script's last line is held")->capture_default_str()->check(CLI::NonNegativeNumber);
+  plan_command->add_option("--seconds", plan_options.seconds, "How long the script's last line is held")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
 
   ReproduceOptions reproduce_options;
   CLI::App* reproduce_command = app.add_subcommand("reproduce", "Make figures of the 2008 paper anew");
-  reproduce_command->add_option("what", reproduce_options.what, "fig8 or room")->required()->check(CLI::IsMember({"fig8", "room"}));
+  reproduce_command->add_option("what", reproduce_options.what, "fig8 or room")
+      ->required()
+      ->check(CLI::IsMember({"fig8", "room"}));
   reproduce_command->add_option("--out", reproduce_options.out, "Folder for the figures")->required();
 
   OperateOptions operate_options;
   CLI::App* operate_command = app.add_subcommand("operate", "Let a scripted operator do a task by the stick");
-  operate_command->add_option("--task", operate_options.task, "room: down steps A, across, hand to door B")->capture_default_str()->check(CLI::IsMember({"room"}));
+  operate_command->add_option("--task", operate_options.task, "room: down steps A, across, hand to door B")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"room"}));
   operate_command->add_option("--robot", operate_options.robot, "Robot")->capture_default_str();
-  operate_command->add_option("--on", operate_options.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
-  operate_command->add_option("--seed", operate_options.seed, "Of the random start on the stage")->capture_default_str();
+  operate_command->add_option("--on", operate_options.on, "sim or ideal")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"sim", "ideal"}));
+  operate_command->add_option("--seed", operate_options.seed, "Of the random start on the stage")
+      ->capture_default_str();
   operate_command->add_flag("--exact-start", operate_options.exact_start, "Begin at the world's start instead");
-  operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which it gives up")->capture_default_str()->check(CLI::PositiveNumber);
+  operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which it gives up")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   operate_command->add_option("--report", operate_options.report, "Write the run in numbers to this .json file");
   operate_command->add_option("--trace", operate_options.trace, "Write every tick to this .csv file");
   operate_command->add_option("--script", operate_options.script, "Write what the operator did as a stick script");

@@ -47,7 +47,7 @@ struct OperateOptions {
   std::string on = "sim";
   long seed = 0;
   bool exact_start = false;  ///< from the world's start, not from a random one
-  double seconds = 240.0;  ///< the operator gives up then
+  double seconds = 240.0;    ///< the operator gives up then
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> trace;
   std::optional<std::filesystem::path> script;  ///< writes the stick as a script

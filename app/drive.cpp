@@ -17,7 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 void refuse_modes_to_come(const DriveOptions& o) {
   const auto refuse = [](const std::string& option, const std::string& value, const std::string& there) {
@@ -64,7 +66,9 @@ int drive(const DriveOptions& o) {
       session.step(Command{});  // the plan is cleared and the motors go soft: the last row says so
       break;
     }
-    if (!o.fast) std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(session.t())));
+    if (!o.fast)
+      std::this_thread::sleep_until(
+          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(session.t())));
   }
 
   const nlohmann::json summary = outputs.write(world.name(), o.on, o.seed, seconds_since(start));

@@ -26,7 +26,8 @@ Inputs::Inputs(const std::string& choice) : choice_(choice) {
   } else if (choice != "page") {
     throw InputError(fmt::format("--input {}: must be auto, joystick, page or script:FILE", choice));
   }
-  for (const auto& device : owned_) devices_.push_back(device.get());
+  for (const auto& device : owned_)
+    devices_.push_back(device.get());
 }
 
 void Inputs::add_page(Device& page) {
@@ -49,7 +50,8 @@ Command Inputs::read(double t) {
     return it == readings.end() ? nullptr : &*it;
   };
   // Who is in use stays in use; a device at rest gives way to one that is not.
-  const Reading* chosen = find([&](const Reading& r) { return r.armed && r.device == active_ && !r.command.neutral(); });
+  const Reading* chosen =
+      find([&](const Reading& r) { return r.armed && r.device == active_ && !r.command.neutral(); });
   if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed && !r.command.neutral(); });
   if (chosen == nullptr) chosen = find([&](const Reading& r) { return r.armed && r.device == active_; });
   if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed; });

@@ -34,7 +34,7 @@ int operate(const OperateOptions& o) {
   Kinematics kinematics(robot);
   Command last;
   bool first = true;
-  double held = 0.0;     // how long the hand has been at the door
+  double held = 0.0;  // how long the hand has been at the door
   double best = 0.0;
   double error = std::numeric_limits<double>::infinity();
   std::string_view doing;
@@ -64,9 +64,10 @@ int operate(const OperateOptions& o) {
   }
   const bool reached = best >= 1.0 && !session.fallen();
   const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", error}, {"task", o.task}};
-  outputs.write(world.name(), o.on, o.seed, std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(), extra);
-  fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached", session.t(),
-             1e3 * error, session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
+  outputs.write(world.name(), o.on, o.seed,
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(), extra);
+  fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached",
+             session.t(), 1e3 * error, session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
   if (session.fallen()) return kFallen;
   return reached ? kDone : kFailed;
 }

@@ -10,7 +10,7 @@ constexpr double kCrouch = 0.245 / 0.26;  ///< share of the nominal COM height o
 constexpr double kBeforeEdge = 0.0045;    ///< from toe to edge before a step down [m]
 constexpr double kPastEdge = 0.0050;      ///< from edge to heel after it [m]
 constexpr double kFootSpot = 0.0035;      ///< a foot is where it should be when it is as near as this [m]
-constexpr double kLift = 0.4;               ///< of the throttle: a little is enough on the way down
+constexpr double kLift = 0.4;             ///< of the throttle: a little is enough on the way down
 constexpr double kHeightSpot = 0.003;     ///< [m]
 constexpr double kYawSpot = 0.03;         ///< [rad]
 
@@ -20,11 +20,7 @@ RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uin
     : RoomOperator(robot, world, seed, Parameters{}) {}
 
 RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Parameters parameters)
-    : robot_(&robot),
-      parameters_(parameters),
-      random_(seed),
-      kinematics_(robot),
-      door_(world.site("door_B").p) {
+    : robot_(&robot), parameters_(parameters), random_(seed), kinematics_(robot), door_(world.site("door_B").p) {
   const Vec3 start = world.site("start").p;
   double height = start.z();
   for (double x = start.x(); x < door_.x(); x += 1e-4) {
@@ -32,20 +28,30 @@ RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uin
     if (ground && ground->height < height - 1e-3) edges_.push_back(x);
     if (ground) height = ground->height;
   }
-  for (const Vec2& vertex : robot.sole(Side::left).vertices()) sole_length_ = std::max(sole_length_, vertex.x());
+  for (const Vec2& vertex : robot.sole(Side::left).vertices())
+    sole_length_ = std::max(sole_length_, vertex.x());
 }
 
 std::string_view RoomOperator::doing() const {
   switch (stage_) {
-    case Stage::face: return "turns to the steps";
-    case Stage::crouch: return "bends the knees";
-    case Stage::steps: return "goes down the steps";
-    case Stage::rise: return "straightens up";
-    case Stage::cross: return "crosses the room";
-    case Stage::align: return "sets the feet";
-    case Stage::reach: return "reaches for the door";
-    case Stage::hold: return "holds the hand at the door";
-    case Stage::done: return "is done";
+    case Stage::face:
+      return "turns to the steps";
+    case Stage::crouch:
+      return "bends the knees";
+    case Stage::steps:
+      return "goes down the steps";
+    case Stage::rise:
+      return "straightens up";
+    case Stage::cross:
+      return "crosses the room";
+    case Stage::align:
+      return "sets the feet";
+    case Stage::reach:
+      return "reaches for the door";
+    case Stage::hold:
+      return "holds the hand at the door";
+    case Stage::done:
+      return "is done";
   }
   return "";
 }
@@ -108,15 +114,23 @@ Command RoomOperator::decide(const Session& session) {
 std::optional<Command> RoomOperator::next(const Sight& sight) {
   const double nominal = robot_->profile().stance.com_height;
   switch (stage_) {
-    case Stage::face: return face(sight);
-    case Stage::crouch: return change_height(sight, kCrouch * nominal);
-    case Stage::steps: return go_down(sight);
-    case Stage::rise: return change_height(sight, nominal);
-    case Stage::cross: return cross(sight);
-    case Stage::align: return align(sight);
-    case Stage::reach: return reach(sight);
+    case Stage::face:
+      return face(sight);
+    case Stage::crouch:
+      return change_height(sight, kCrouch * nominal);
+    case Stage::steps:
+      return go_down(sight);
+    case Stage::rise:
+      return change_height(sight, nominal);
+    case Stage::cross:
+      return cross(sight);
+    case Stage::align:
+      return align(sight);
+    case Stage::reach:
+      return reach(sight);
     case Stage::hold:
-    case Stage::done: break;
+    case Stage::done:
+      break;
   }
   return std::nullopt;
 }
@@ -187,9 +201,13 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
       if (refusals_ % 2 == 1) behind = other(behind);
       for (const Side side : {behind, other(behind)}) {
         const double y = std::abs(sight.sole.left.p.y() - sight.sole.right.p.y() - 2.0 * half_width) < 0.01
-                             ? sight.sole[side].p.y() : lane(side);
-        const double x = side == Side::left ? std::min(before, sight.sole.right.p.x() + robot_->profile().reach.foot) : before;
-        if (side == Side::left && sight.sole.left.p.x() > before - 0.015 && std::abs(yaw_of(sight.sole.left.R)) < kYawSpot) continue;
+                             ? sight.sole[side].p.y()
+                             : lane(side);
+        const double x =
+            side == Side::left ? std::min(before, sight.sole.right.p.x() + robot_->profile().reach.foot) : before;
+        if (side == Side::left && sight.sole.left.p.x() > before - 0.015 &&
+            std::abs(yaw_of(sight.sole.left.R)) < kYawSpot)
+          continue;
         if (auto command = move_foot(sight, side, {x, y}, false, kFootSpot)) return command;
       }
     }

@@ -39,8 +39,8 @@ class RoomOperator {
   struct Sight {
     BySide<Pose> sole;
     Vec3 com;
-    Vec3 hand;      ///< left
-    Vec3 shoulder;  ///< left
+    Vec3 hand;               ///< left
+    Vec3 shoulder;           ///< left
     double heading = 0.0;    ///< mean yaw of both feet [rad]
     double trunk_yaw = 0.0;  ///< [rad]
     [[nodiscard]] Vec2 feet() const { return 0.5 * (sole.left.p + sole.right.p).head<2>(); }
@@ -71,10 +71,10 @@ class RoomOperator {
   double sole_length_ = 0.0;   ///< half [m]
 
   Stage stage_ = Stage::face;
-  Command stick_;              ///< as held now
-  bool deflected_ = false;     ///< a deflection is held until the robot moves
-  double since_ = 0.0;         ///< rest, or the present deflection, began then [s]
-  int refusals_ = 0;           ///< in a row
+  Command stick_;           ///< as held now
+  bool deflected_ = false;  ///< a deflection is held until the robot moves
+  double since_ = 0.0;      ///< rest, or the present deflection, began then [s]
+  int refusals_ = 0;        ///< in a row
   BySide<bool> lifted_{false, false};
   BySide<Vec2> landing_{Vec2::Zero(), Vec2::Zero()};  ///< where a lifted foot is to land
 };

@@ -15,9 +15,9 @@ std::optional<std::ofstream> open_output(const std::optional<std::filesystem::pa
 
 std::string script_line(double t, const Command& command) {
   const auto& a = command.axes;
-  return fmt::format(R"({{"t": {:.3f}, "guide": "{}", "axes": [{:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}], "lift": [{:.4g}, {:.4g}]}})",
-                     t, to_string(command.guide), a[0], a[1], a[2], a[3], a[4], a[5], command.lift.left,
-                     command.lift.right);
+  return fmt::format(
+      R"({{"t": {:.3f}, "guide": "{}", "axes": [{:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}], "lift": [{:.4g}, {:.4g}]}})",
+      t, to_string(command.guide), a[0], a[1], a[2], a[3], a[4], a[5], command.lift.left, command.lift.right);
 }
 
 Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
@@ -32,8 +32,8 @@ Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<
   session.on_plan = [this](const PlanRecord& record) { report_.add(record); };
 }
 
-nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed,
-                              double wall, const nlohmann::json& extra) {
+nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed, double wall,
+                              const nlohmann::json& extra) {
   nlohmann::json summary = report_.json(world, on, seed, wall);
   summary.update(extra);
   bool written = true;

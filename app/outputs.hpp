@@ -33,8 +33,8 @@ class Outputs {
 
   /// Writes the report, with the members of `extra` added, and closes the trace; returns the report.
   /// @throws std::runtime_error something could not be written whole
-  nlohmann::json write(const std::string& world, const std::string& on, long seed,
-                       double wall, const nlohmann::json& extra = nlohmann::json::object());
+  nlohmann::json write(const std::string& world, const std::string& on, long seed, double wall,
+                       const nlohmann::json& extra = nlohmann::json::object());
 
  private:
   Report report_;

@@ -123,8 +123,8 @@ void show(Panel& panel, const Step& step, const ComPath& path, double t0, Stroke
   for (std::size_t i = 0; i < kShares.size(); ++i) {
     const std::vector<double> feet = step.standing(i);
     const auto add = [&](const char* name, double low, double high, const char* colour) {
-      panel.areas.push_back(band(name, {t0 + times[i], low - kSoleHalfWidth},
-                                 {t0 + times[i + 1], high + kSoleHalfWidth}, colour, 1.0));
+      panel.areas.push_back(
+          band(name, {t0 + times[i], low - kSoleHalfWidth}, {t0 + times[i + 1], high + kSoleHalfWidth}, colour, 1.0));
     };
     add("support polygon", *std::min_element(feet.begin(), feet.end()), step.left, "#eeeeee");
     add("left sole", step.left, step.left, "#cfe5f3");
@@ -157,12 +157,10 @@ int reproduce_fig8(const std::filesystem::path& out) {
     const Check check = integrate(steps[i], plans[i].path);
     const bool passed = plans[i].feasible && check.at_rest && check.outside == 0.0;
     verified = verified && passed;
-    segments.push_back(
-        {{"T", plans[i].ticks * kPeriod}, {"knots_y", knots_of(plans[i].path)}, {"verified", passed}});
+    segments.push_back({{"T", plans[i].ticks * kPeriod}, {"knots_y", knots_of(plans[i].path)}, {"verified", passed}});
     spdlog::info("step {}: T = {:.1f} s after {} tries", i + 1, plans[i].ticks * kPeriod, plans[i].tried);
   }
-  const ComPath hasty =
-      com_path(problem_of(steps[1]), static_cast<int>(std::lround(kFirst / kPeriod)), kPeriod);
+  const ComPath hasty = com_path(problem_of(steps[1]), static_cast<int>(std::lround(kFirst / kPeriod)), kPeriod);
   const nlohmann::json summary = {
       {"segments", segments},
       {"uncorrected",
@@ -171,12 +169,10 @@ int reproduce_fig8(const std::filesystem::path& out) {
   const double second = plans[0].path.duration();
   const double end = second + plans[1].path.duration();
   std::array<Panel, 2> panels;
-  panels[0].title =
-      fmt::format("Second step not corrected, T = {:.1f} s: the ZMP leaves the left sole", kFirst);
+  panels[0].title = fmt::format("Second step not corrected, T = {:.1f} s: the ZMP leaves the left sole", kFirst);
   show(panels[0], steps[0], plans[0].path, 0.0, Stroke::dashed);
   show(panels[0], steps[1], hasty, second, Stroke::dashed);
-  panels[1].title =
-      fmt::format("Duration corrected, T = {:.1f} s: the ZMP stays inside", plans[1].path.duration());
+  panels[1].title = fmt::format("Duration corrected, T = {:.1f} s: the ZMP stays inside", plans[1].path.duration());
   show(panels[1], steps[0], plans[0].path, 0.0, Stroke::solid);
   show(panels[1], steps[1], plans[1].path, second, Stroke::solid);
   for (Panel& panel : panels) {

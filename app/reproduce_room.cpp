@@ -34,13 +34,15 @@ struct Loci {
 
 std::vector<Vec2> seen_from(const std::vector<Vec3>& points, int across, int up) {
   std::vector<Vec2> flat;
-  for (const Vec3& p : points) flat.emplace_back(p[across], p[up]);
+  for (const Vec3& p : points)
+    flat.emplace_back(p[across], p[up]);
   return flat;
 }
 
 std::vector<Vec2> over_time(const std::vector<double>& t, const std::vector<Vec3>& points, int axis) {
   std::vector<Vec2> flat;
-  for (std::size_t i = 0; i < t.size(); ++i) flat.emplace_back(t[i], points[i][axis]);
+  for (std::size_t i = 0; i < t.size(); ++i)
+    flat.emplace_back(t[i], points[i][axis]);
   return flat;
 }
 
@@ -55,7 +57,8 @@ void draw_map(const Loci& loci, const World& world, const std::filesystem::path&
     if (face.outline.vertices().front().norm() > far) continue;
     map.areas.push_back({"steps", face.outline.vertices(), palette::kOrange, 0.2, true});
   }
-  for (const auto& outline : loci.footholds) map.areas.push_back({"footholds", outline, palette::kGrey, 0.25, true});
+  for (const auto& outline : loci.footholds)
+    map.areas.push_back({"footholds", outline, palette::kGrey, 0.25, true});
   map.series.push_back({"COM", seen_from(loci.com, 0, 1), Stroke::solid, palette::kBlack, 1.6});
   map.series.push_back({"left foot", seen_from(loci.sole.left, 0, 1), Stroke::solid, palette::kBlue, 1.2});
   map.series.push_back({"right foot", seen_from(loci.sole.right, 0, 1), Stroke::solid, palette::kVermilion, 1.2});
@@ -76,7 +79,8 @@ void draw_histories(const Loci& loci, const std::filesystem::path& file) {
     panel.y_label = axes[static_cast<std::size_t>(axis)];
     panel.series.push_back({"COM", over_time(loci.t, loci.com, axis), Stroke::solid, palette::kBlack, 1.6});
     panel.series.push_back({"left foot", over_time(loci.t, loci.sole.left, axis), Stroke::solid, palette::kBlue, 1.2});
-    panel.series.push_back({"right foot", over_time(loci.t, loci.sole.right, axis), Stroke::solid, palette::kVermilion, 1.2});
+    panel.series.push_back(
+        {"right foot", over_time(loci.t, loci.sole.right, axis), Stroke::solid, palette::kVermilion, 1.2});
     panel.series.push_back({"left hand", over_time(loci.t, loci.hand.left, axis), Stroke::solid, palette::kGreen, 1.2});
     panels.push_back(std::move(panel));
   }
@@ -130,11 +134,13 @@ int reproduce_room(const std::filesystem::path& out) {
       const Posture& end = nav.motion()->end;
       loci.com_goals.push_back(nav.anchor() * end.com);
       for (const Side side : kSides) {
-        if (end.contact[side]) loci.footholds.push_back(sole_outline(robot, side, nav.anchor() * end.sole[side]).vertices());
+        if (end.contact[side])
+          loci.footholds.push_back(sole_outline(robot, side, nav.anchor() * end.sole[side]).vertices());
       }
     }
     segment = nav.segment();
-    if (session.t() >= duration * static_cast<double>(snapshots.size()) / (kSnapshots - 1) - 0.05 && snapshots.size() < kSnapshots) {
+    if (session.t() >= duration * static_cast<double>(snapshots.size()) / (kSnapshots - 1) - 0.05 &&
+        snapshots.size() < kSnapshots) {
       mju_copy(scene->qpos, body.data().qpos, body.model().nq);
       mj_forward(&body.model(), scene.get());
       snapshots.push_back(picture.render(*scene, "overview"));
@@ -151,8 +157,10 @@ int reproduce_room(const std::filesystem::path& out) {
   draw_map(loci, world, out / "fig10.svg");
   draw_histories(loci, out / "fig11.svg");
   save_png(out / "fig12.png", montage(snapshots, 4));
-  fmt::print("{} {}: room.json, fig10.svg, fig11.svg, fig12.png, room.csv, room.xml, room_report.json, room.jsonl in {}\n",
-             reached ? "the hand was held at the door after" : "the door was not reached in", summary["duration_s"].get<double>(), out.string());
+  fmt::print(
+      "{} {}: room.json, fig10.svg, fig11.svg, fig12.png, room.csv, room.xml, room_report.json, room.jsonl in {}\n",
+      reached ? "the hand was held at the door after" : "the door was not reached in",
+      summary["duration_s"].get<double>(), out.string());
   if (session.fallen()) return kFallen;
   return reached ? kDone : kFailed;
 }

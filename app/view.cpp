@@ -8,19 +8,23 @@
 namespace baton::app {
 namespace {
 
-Pose in_world(const Pose& anchor, const Pose& pose) { return anchor * pose; }
+Pose in_world(const Pose& anchor, const Pose& pose) {
+  return anchor * pose;
+}
 
 }  // namespace
 
 View::View(const Session& session, int port)
     : scene_(compile_text(session.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
-      cockpit_([&] {
-        Cockpit::Parameters parameters;
-        parameters.port = port;
-        parameters.page = share_dir() / "web" / "dist";
-        return parameters;
-      }(), session.robot(), session.world().name(), *scene_) {}
+      cockpit_(
+          [&] {
+            Cockpit::Parameters parameters;
+            parameters.port = port;
+            parameters.page = share_dir() / "web" / "dist";
+            return parameters;
+          }(),
+          session.robot(), session.world().name(), *scene_) {}
 
 void View::show(const Session& session, const DeviceStatus& device) {
   const Navigator& nav = session.navigator();

@@ -12,10 +12,12 @@ std::vector<Row> yardstick() {
   Row row{"yardstick: kinematics of mighty", {}, "MuJoCo's mj_kinematics and mj_comPos, 20 calls"};
   for (int k = 0; k < 5000; ++k) {
     time(row, [&] {
-      for (int i = 0; i < 20; ++i) kinematics.set(home.q);
+      for (int i = 0; i < 20; ++i)
+        kinematics.set(home.q);
     });
   }
-  for (double& us : row.us) us /= 20.0;
+  for (double& us : row.us)
+    us /= 20.0;
   return {row};
 }
 

@@ -42,8 +42,8 @@ std::vector<Row> bench_plan() {
                                                        : goal.sole[other(side)].p;
     goal.com.z() = from.com.z();
     Segment segment(robot, from, goal);
-    const ComPlan plan = correct_duration(segment.com(), profile.duration.first, profile.duration.step, profile.duration.max,
-                                          profile.tick.period);
+    const ComPlan plan = correct_duration(segment.com(), profile.duration.first, profile.duration.step,
+                                          profile.duration.max, profile.tick.period);
     if (plan.feasible) segments.push_back(std::move(segment));
   }
   Row row{"plan: COM and duration of a segment", {}, ""};
@@ -52,12 +52,14 @@ std::vector<Row> bench_plan() {
   for (const Segment& segment : segments) {
     ComPlan plan;
     time(row, [&] {
-      plan = correct_duration(segment.com(), profile.duration.first, profile.duration.step, profile.duration.max, profile.tick.period);
+      plan = correct_duration(segment.com(), profile.duration.first, profile.duration.step, profile.duration.max,
+                              profile.tick.period);
     });
     several += plan.tried >= 3 ? 1 : 0;
     T += plan.path.duration() / static_cast<double>(segments.size());
   }
-  row.remark = fmt::format("{:.0f} % need three durations or more, mean T {:.2f} s; the paper: 300 us", 0.1 * several, T);
+  row.remark =
+      fmt::format("{:.0f} % need three durations or more, mean T {:.2f} s; the paper: 300 us", 0.1 * several, T);
   return {row};
 }
 

@@ -10,7 +10,7 @@ namespace baton {
 /// Pose and velocity of the body with the free joint. No sensor gives it; a simulated robot may, as a perfect
 /// sensor, while there is no estimator.
 struct RootMeasurement {
-  Pose pose;                    ///< in the world
+  Pose pose;                     ///< in the world
   Vec3 velocity = Vec3::Zero();  ///< of its origin, in the world [m/s]
   Vec3 rate = Vec3::Zero();      ///< angular, in its own frame [rad/s]
 };

@@ -27,7 +27,8 @@ const State& Estimator::update(const Measurement& measurement, const Pose& ancho
   state_.trunk = kinematics_.trunk().R;
   kinematics_.rotation_jacobian(robot_->trunk_body(), jacobian_);
   state_.trunk_rate = jacobian_ * dq_;
-  for (const Side side : kSides) state_.sole[side] = kinematics_.sole(side);
+  for (const Side side : kSides)
+    state_.sole[side] = kinematics_.sole(side);
   return state_;
 }
 

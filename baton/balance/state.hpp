@@ -8,10 +8,10 @@ namespace baton {
 
 /// In the planning frame.
 struct State {
-  VecX q;                         ///< configuration (nq)
-  Vec3 com = Vec3::Zero();        ///< [m]
-  Vec3 dcom = Vec3::Zero();       ///< [m/s]
-  Mat3 trunk = Mat3::Identity();  ///< attitude
+  VecX q;                          ///< configuration (nq)
+  Vec3 com = Vec3::Zero();         ///< [m]
+  Vec3 dcom = Vec3::Zero();        ///< [m/s]
+  Mat3 trunk = Mat3::Identity();   ///< attitude
   Vec3 trunk_rate = Vec3::Zero();  ///< [rad/s]
   BySide<Pose> sole;
 

@@ -85,16 +85,13 @@ bool may_be_answered(const mg_request_info& request) {
 
 class Cockpit::Server {
  public:
-  Server(const Parameters& parameters, const RobotModel& robot, const std::string& world,
-         const mjModel& scene)
+  Server(const Parameters& parameters, const RobotModel& robot, const std::string& world, const mjModel& scene)
       : parameters_(parameters),
         robot_(robot),
-        scene_(scene_document(robot, world, scene)
-                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) {
+        scene_(scene_document(robot, world, scene).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) {
     if (parameters_.host == "localhost") parameters_.host = "127.0.0.1";
     if (parameters_.host != "127.0.0.1" && parameters_.host != "[::1]") {
-      throw InputError(
-          fmt::format("page: host '{}' is not this machine: give 127.0.0.1 or [::1]", parameters_.host));
+      throw InputError(fmt::format("page: host '{}' is not this machine: give 127.0.0.1 or [::1]", parameters_.host));
     }
     if (parameters_.port < 0 || parameters_.port > 65535) {
       throw InputError(fmt::format("page: port {} is not in 0…65535", parameters_.port));
@@ -208,10 +205,9 @@ void Cockpit::Server::start() {
   context_.reset(mg_start(&callbacks, this, options.data()));
   if (!context_) {
     const bool in_use = start_error_.find("in use") != std::string::npos;
-    const std::string why =
-        in_use ? "is in use by another program" : fmt::format("cannot be opened: {}", start_error_);
-    throw InputError(fmt::format("page: port {} {}: choose another one, or 0 for any that is free",
-                                 parameters_.port, why));
+    const std::string why = in_use ? "is in use by another program" : fmt::format("cannot be opened: {}", start_error_);
+    throw InputError(
+        fmt::format("page: port {} {}: choose another one, or 0 for any that is free", parameters_.port, why));
   }
   mg_server_port listening{};
   if (mg_get_server_ports(context_.get(), 1, &listening) == 1) port_ = listening.port;
@@ -299,8 +295,7 @@ bool Cockpit::Server::hear(const mg_connection* connection, int bits, std::strin
   } else if (std::holds_alternative<LeaveSeat>(message)) {
     device_.release(page->number);
   } else if (const auto* steer = std::get_if<Steer>(&message)) {
-    if (!device_.give(page->number, steer->command, steer->deadman))
-      complain(*page, "this page does not drive");
+    if (!device_.give(page->number, steer->command, steer->deadman)) complain(*page, "this page does not drive");
   } else {
     complain(*page, std::get<Malformed>(message).why);
   }
@@ -335,8 +330,7 @@ void Cockpit::Server::complain(Page& page, std::string_view text) {
 
 void Cockpit::Server::send_states(Page& page) {
   using Clock = std::chrono::steady_clock;
-  const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(parameters_.period));
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(parameters_.period));
   const auto send = [&page](int opcode, std::string_view text) {
     return mg_websocket_write(page.connection, opcode, text.data(), text.size()) > 0;
   };
@@ -350,8 +344,7 @@ void Cockpit::Server::send_states(Page& page) {
       std::unique_lock lock(frame_mutex_);
       const auto ended = [&] { return stopping_ || page.leaving; };
       frame_came_.wait(lock, [&] { return ended() || frames_ != sent || !page.errors.empty(); });
-      if (frames_ != sent)
-        frame_came_.wait_until(lock, next, [&] { return ended() || !page.errors.empty(); });
+      if (frames_ != sent) frame_came_.wait_until(lock, next, [&] { return ended() || !page.errors.empty(); });
       if (ended()) break;
       error.swap(page.errors);
       if (frames_ != sent && Clock::now() >= next) {
@@ -370,8 +363,7 @@ void Cockpit::Server::send_states(Page& page) {
   send(MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE, {});
 }
 
-Cockpit::Cockpit(const Parameters& parameters, const RobotModel& robot, const std::string& world,
-                 const mjModel& scene)
+Cockpit::Cockpit(const Parameters& parameters, const RobotModel& robot, const std::string& world, const mjModel& scene)
     : server_(std::make_unique<Server>(parameters, robot, world, scene)) {}
 
 Cockpit::~Cockpit() = default;

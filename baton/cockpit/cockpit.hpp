@@ -24,8 +24,7 @@ class Cockpit {
   /// Listens from now on. `scene` is the world named `world` composed with the robot, as compiled; it is read
   /// here and not kept. The robot must outlive the cockpit.
   /// @throws InputError the host is not this machine; the port is out of range, in use, or may not be opened
-  Cockpit(const Parameters& parameters, const RobotModel& robot, const std::string& world,
-          const mjModel& scene);
+  Cockpit(const Parameters& parameters, const RobotModel& robot, const std::string& world, const mjModel& scene);
   /// Closes all connections.
   ~Cockpit();
   Cockpit(const Cockpit&) = delete;

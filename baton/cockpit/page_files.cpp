@@ -9,8 +9,7 @@ namespace baton {
 
 std::optional<std::filesystem::path> file_in(const std::filesystem::path& folder, std::string_view request) {
   std::error_code error;
-  for (std::filesystem::recursive_directory_iterator it(folder, error), end; !error && it != end;
-       it.increment(error)) {
+  for (std::filesystem::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
     const std::string name = "/" + it->path().lexically_relative(folder).generic_string();
     if (name == request && it->is_regular_file(ignored)) return it->path();

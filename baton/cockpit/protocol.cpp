@@ -64,8 +64,7 @@ json refusal(const Refusal& refusal) {
 }
 
 std::optional<Part> part_named(std::string_view name) {
-  const auto* found =
-      std::find_if(kParts.begin(), kParts.end(), [name](Part part) { return to_string(part) == name; });
+  const auto* found = std::find_if(kParts.begin(), kParts.end(), [name](Part part) { return to_string(part) == name; });
   return found == kParts.end() ? std::nullopt : std::optional<Part>(*found);
 }
 
@@ -90,14 +89,11 @@ PageMessage parse_command(const json& message) {
   const std::optional<Part> part = part_named(guide->get_ref<const std::string&>());
   if (!part) return Malformed{"command: guide is not the name of a part"};
   steer.command.guide = *part;
-  const auto axis = [&](std::size_t i) -> double& {
-    return steer.command.axes[static_cast<Eigen::Index>(i)];
-  };
+  const auto axis = [&](std::size_t i) -> double& { return steer.command.axes[static_cast<Eigen::Index>(i)]; };
   const auto lift = [&](std::size_t i) -> double& { return steer.command.lift[kSides.at(i)]; };
   if (!read_numbers(message, "axes", 6, axis)) return Malformed{"command: axes are not 6 numbers"};
   if (!read_numbers(message, "lift", 2, lift)) return Malformed{"command: lift is not 2 numbers"};
-  if (deadman == message.end() || !deadman->is_boolean())
-    return Malformed{"command: deadman is not true or false"};
+  if (deadman == message.end() || !deadman->is_boolean()) return Malformed{"command: deadman is not true or false"};
   steer.deadman = deadman->get<bool>();
   return steer;
 }
@@ -124,32 +120,31 @@ std::string state_message(const Frame& frame, const RobotModel& robot, Role role
   json support = json::array();
   for (const Vec2& vertex : frame.support.vertices())
     support.push_back(numbers(vertex));
-  const json message{
-      {"type", "state"},
-      {"role", role == Role::driver ? "driver" : "watcher"},
-      {"taken", taken},
-      {"t", number(frame.t)},
-      {"bodies", bodies},
-      {"guide", to_string(frame.command.guide)},
-      {"axes", numbers(frame.command.axes)},
-      {"lift", {number(frame.command.lift.left), number(frame.command.lift.right)}},
-      {"device",
-       {{"name", frame.device.name},
-        {"connected", frame.device.connected},
-        {"armed", frame.device.armed},
-        {"hint", frame.device.hint}}},
-      {"goal", frame.goal ? goal(*frame.goal, robot) : json(nullptr)},
-      {"segment", {{"time", number(frame.segment_time)}, {"duration", number(frame.segment_duration)}}},
-      {"contact", by_side(frame.contact)},
-      {"support", support},
-      {"support_height", number(frame.support_height)},
-      {"com", numbers(frame.com)},
-      {"zmp", numbers(frame.zmp)},
-      {"dcm", numbers(frame.dcm)},
-      {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
-      {"refusals", frame.refusals},
-      {"message", frame.message},
-      {"fallen", frame.fallen}};
+  const json message{{"type", "state"},
+                     {"role", role == Role::driver ? "driver" : "watcher"},
+                     {"taken", taken},
+                     {"t", number(frame.t)},
+                     {"bodies", bodies},
+                     {"guide", to_string(frame.command.guide)},
+                     {"axes", numbers(frame.command.axes)},
+                     {"lift", {number(frame.command.lift.left), number(frame.command.lift.right)}},
+                     {"device",
+                      {{"name", frame.device.name},
+                       {"connected", frame.device.connected},
+                       {"armed", frame.device.armed},
+                       {"hint", frame.device.hint}}},
+                     {"goal", frame.goal ? goal(*frame.goal, robot) : json(nullptr)},
+                     {"segment", {{"time", number(frame.segment_time)}, {"duration", number(frame.segment_duration)}}},
+                     {"contact", by_side(frame.contact)},
+                     {"support", support},
+                     {"support_height", number(frame.support_height)},
+                     {"com", numbers(frame.com)},
+                     {"zmp", numbers(frame.zmp)},
+                     {"dcm", numbers(frame.dcm)},
+                     {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
+                     {"refusals", frame.refusals},
+                     {"message", frame.message},
+                     {"fallen", frame.fallen}};
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -88,10 +88,9 @@ json meshes(const mjModel& m) {
   for (int i = 0; i < m.nmesh; ++i) {
     const float* vertices = m.mesh_vert + 3 * m.mesh_vertadr[i];
     const int* faces = m.mesh_face + 3 * m.mesh_faceadr[i];
-    list.push_back(
-        {{"name", name_of(m, mjOBJ_MESH, i)},
-         {"vertices", base64(vertices, sizeof(float) * 3 * static_cast<std::size_t>(m.mesh_vertnum[i]))},
-         {"faces", base64(faces, sizeof(int) * 3 * static_cast<std::size_t>(m.mesh_facenum[i]))}});
+    list.push_back({{"name", name_of(m, mjOBJ_MESH, i)},
+                    {"vertices", base64(vertices, sizeof(float) * 3 * static_cast<std::size_t>(m.mesh_vertnum[i]))},
+                    {"faces", base64(faces, sizeof(int) * 3 * static_cast<std::size_t>(m.mesh_facenum[i]))}});
   }
   return list;
 }

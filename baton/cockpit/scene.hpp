@@ -10,8 +10,7 @@ namespace baton {
 
 /// The document of /model.json (docs/page.md). `scene` is the world composed with the robot; `world` its
 /// name.
-[[nodiscard]] nlohmann::json scene_document(const RobotModel& robot, const std::string& world,
-                                            const mjModel& scene);
+[[nodiscard]] nlohmann::json scene_document(const RobotModel& robot, const std::string& world, const mjModel& scene);
 
 /// Base64 of a block of memory.
 [[nodiscard]] std::string base64(const void* data, std::size_t size);

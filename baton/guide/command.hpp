@@ -13,12 +13,9 @@ struct Command {
   BySide<double> lift{0.0, 0.0};
 
   /// All axes centred and the lift of the guided foot, if a foot is guided, zero.
-  [[nodiscard]] bool neutral() const {
-    return axes.isZero(0.0) && (!is_foot(guide) || lift[side_of(guide)] == 0.0);
-  }
+  [[nodiscard]] bool neutral() const { return axes.isZero(0.0) && (!is_foot(guide) || lift[side_of(guide)] == 0.0); }
   [[nodiscard]] bool operator==(const Command& other) const {
-    return guide == other.guide && axes == other.axes && lift.left == other.lift.left &&
-           lift.right == other.lift.right;
+    return guide == other.guide && axes == other.axes && lift.left == other.lift.left && lift.right == other.lift.right;
   }
 };
 

@@ -9,19 +9,27 @@
 namespace baton {
 namespace {
 
-constexpr double kSamePlace = 1e-3;  ///< [m] differences below do not decide
-constexpr double kSameYaw = 0.01;    ///< [rad]
-constexpr double kSearch = 0.01;     ///< spacing of the places that a foot is tried at [m]
+constexpr double kSamePlace = 1e-3;    ///< [m] differences below do not decide
+constexpr double kSameYaw = 0.01;      ///< [rad]
+constexpr double kSearch = 0.01;       ///< spacing of the places that a foot is tried at [m]
 constexpr double kFineSearch = 0.002;  ///< the same straight ahead, where edges are [m]
 
 /// Attitude with the yaw taken out: how the trunk leans.
-Mat3 inclination(const Mat3& R) { return rotation_z(-yaw_of(R)) * R; }
+Mat3 inclination(const Mat3& R) {
+  return rotation_z(-yaw_of(R)) * R;
+}
 
-double tilt(const Mat3& R) { return std::acos(std::clamp(R(2, 2), -1.0, 1.0)); }
+double tilt(const Mat3& R) {
+  return std::acos(std::clamp(R(2, 2), -1.0, 1.0));
+}
 
 /// How far outside its range a value lies; negative inside.
-double excess(double value, const Range& range) { return std::max(range.lo - value, value - range.hi); }
-double nearest_limit(double value, const Range& range) { return value < range.lo ? range.lo : range.hi; }
+double excess(double value, const Range& range) {
+  return std::max(range.lo - value, value - range.hi);
+}
+double nearest_limit(double value, const Range& range) {
+  return value < range.lo ? range.lo : range.hi;
+}
 
 }  // namespace
 
@@ -53,8 +61,8 @@ Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
   return sum / soles + Vec3(0, 0, height);
 }
 
-Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw,
-                              double lift, const Range& forward) const {
+Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
+                              const Range& forward) const {
   const Profile& profile = robot_->profile();
   const Part part = foot(side);
   const Pose& stance = context.from.sole[other(side)];
@@ -69,7 +77,8 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
   if (excess(relative.x(), forward) > kSlack) {
     placement.against = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), forward), "forward"};
   } else if (excess(lateral, profile.region.foot_lateral) > kSlack) {
-    placement.against = {Reason::foot_region, part, lateral, nearest_limit(lateral, profile.region.foot_lateral), "sideways"};
+    placement.against = {Reason::foot_region, part, lateral, nearest_limit(lateral, profile.region.foot_lateral),
+                         "sideways"};
   } else if (std::abs(turned) > profile.region.foot_yaw + kSlack) {
     placement.against = {Reason::foot_yaw, part, std::abs(turned), profile.region.foot_yaw, ""};
   }
@@ -110,7 +119,8 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   std::vector<Vec2> places;
   const double lateral_wish = std::clamp(sign_of(side) * wish.y(), region.foot_lateral.lo, region.foot_lateral.hi);
   places.emplace_back(std::clamp(wish.x(), forward.lo, forward.hi), sign_of(side) * lateral_wish);
-  for (double x = forward.lo; x <= forward.hi + 1e-9; x += kFineSearch) places.emplace_back(x, places.front().y());
+  for (double x = forward.lo; x <= forward.hi + 1e-9; x += kFineSearch)
+    places.emplace_back(x, places.front().y());
   for (double x = forward.lo; x <= forward.hi + 1e-9; x += kSearch) {
     for (double y = region.foot_lateral.lo; y <= region.foot_lateral.hi + 1e-9; y += kSearch) {
       places.emplace_back(x, sign_of(side) * y);
@@ -178,7 +188,8 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
 
   const Vec3 move = rotation_z(from.heading()) * Vec3(command.axes[0], command.axes[1], 0) * profile.reach.foot;
   const double yaw = yaw_of(from.sole[side].R) + profile.reach.rotation * command.axes[5];
-  const Placement placement = place(context, side, (from.sole[side].p + move).head<2>(), yaw, lift, profile.region.foot_x);
+  const Placement placement =
+      place(context, side, (from.sole[side].p + move).head<2>(), yaw, lift, profile.region.foot_x);
   const bool up = !from.contact[side];
   const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
   if (!deflected && lift == 0.0 && !up) return std::monostate{};
@@ -214,7 +225,8 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
   goal.trunk = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
   if (tilt(goal.trunk) > std::max(profile.region.trunk_inclination, tilt(from.trunk) - 1e-9)) {
-    const Refusal against{Reason::trunk_inclination, Part::trunk, tilt(goal.trunk), profile.region.trunk_inclination, ""};
+    const Refusal against{Reason::trunk_inclination, Part::trunk, tilt(goal.trunk), profile.region.trunk_inclination,
+                          ""};
     if ((goal.com - from.com).norm() < 1e-6) return against;
     goal.trunk = from.trunk;  // it leans no farther, but it goes on
   }
@@ -222,7 +234,8 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }
   for (const Side side : kSides) {
-    for (const int j : robot_->arm(side)) goal.arms[j] = robot_->joints()[static_cast<std::size_t>(j)].home;
+    for (const int j : robot_->arm(side))
+      goal.arms[j] = robot_->joints()[static_cast<std::size_t>(j)].home;
   }
   return stand_under(context, goal);
 }
@@ -245,7 +258,8 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
     Goal moved = goal;
     moved.com += shift;
     const double support = from.support_height();
-    moved.com.z() = support + std::clamp(moved.com.z() - support, profile.region.com_height.lo, profile.region.com_height.hi);
+    moved.com.z() =
+        support + std::clamp(moved.com.z() - support, profile.region.com_height.lo, profile.region.com_height.hi);
     return moved;
   };
   const Vec3 stretch = hand.p - from.shoulder[side];
@@ -268,8 +282,8 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
-  const ConvexPolygon support = support_polygon(*robot_, from.sole, from.contact, goal.com,
-                                                support_plane(from.sole, from.contact));
+  const ConvexPolygon support =
+      support_polygon(*robot_, from.sole, from.contact, goal.com, support_plane(from.sole, from.contact));
   const Vec2 target = goal.com.head<2>();
   const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
   const bool stands = support.margin(target) >= profile.margin.stand_on;
@@ -323,14 +337,15 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
     const Placement candidate = nearest_place(context, side, wish(side), yaw, forward);
     if (candidate.against) continue;
     const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
-    const double turned = std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) -
-                          std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
+    const double turned =
+        std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) - std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
     const bool nearer = left < (middle - target).norm() - kSamePlace;
     const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + robot_->profile().reach.trunk;
     if (left > kSamePlace && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
   }
   if (nearest.size() == 2 && nearest[1].first < nearest[0].first - kSamePlace) std::swap(nearest[0], nearest[1]);
-  for (const auto& [left, placed] : nearest) step(placed.first, placed.second);
+  for (const auto& [left, placed] : nearest)
+    step(placed.first, placed.second);
   return against;
 }
 

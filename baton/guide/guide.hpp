@@ -13,10 +13,10 @@ namespace baton {
 
 /// What the rules need to know besides the command.
 struct GuideContext {
-  Posture from;            ///< planned posture at the take-over, at rest, in the planning frame
-  Pose anchor;             ///< planning frame in the world: position and yaw
+  Posture from;                  ///< planned posture at the take-over, at rest, in the planning frame
+  Pose anchor;                   ///< planning frame in the world: position and yaw
   Side last_step = Side::right;  ///< the foot that stepped last
-  BySide<Pose> foothold;   ///< where each foot stood last, in the planning frame
+  BySide<Pose> foothold;         ///< where each foot stood last, in the planning frame
 };
 
 /// Nothing is asked for; goals, the one that the rules prefer first and then what else would serve the command; or

@@ -16,14 +16,14 @@ struct InverseKinematics::Workspace {
   using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
 
   int rows = 0;
-  JacobianRows J;          ///< task rows × nv
-  JacobianRows JD;         ///< J D⁻¹
-  Column e;                ///< errors
-  Column R;                ///< damping of each row
-  VecX cost_inverse;       ///< D⁻¹ (nv); 0: the joint goes where dq_ref says
-  VecX dq_ref;             ///< (nv)
-  VecX dq;                 ///< (nv)
-  VecX lower, upper;       ///< bounds of dq of the joints (n)
+  JacobianRows J;     ///< task rows × nv
+  JacobianRows JD;    ///< J D⁻¹
+  Column e;           ///< errors
+  Column R;           ///< damping of each row
+  VecX cost_inverse;  ///< D⁻¹ (nv); 0: the joint goes where dq_ref says
+  VecX dq_ref;        ///< (nv)
+  VecX dq;            ///< (nv)
+  VecX lower, upper;  ///< bounds of dq of the joints (n)
   Square A;
   Column y;
   eiquadprog::solvers::EiquadprogFast qp;
@@ -165,8 +165,7 @@ void InverseKinematics::bounded_step() {
   }
 }
 
-IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous, double dt, VecX& q,
-                                  int iterations) {
+IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous, double dt, VecX& q, int iterations) {
   Workspace& w = *w_;
   const auto& joints = robot_->joints();
   const int n = static_cast<int>(joints.size());
@@ -181,7 +180,8 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
     const auto& joint = joints[static_cast<std::size_t>(j)];
     return std::min(joint.position.hi, previous[7 + j] + joint.speed * dt);
   };
-  for (int j = 0; j < n; ++j) q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
+  for (int j = 0; j < n; ++j)
+    q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
 
   IkResult result;
   kinematics_.set(q);
@@ -219,7 +219,8 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
     }
     if (result.bound_joint >= 0) bounded_step();
     integrate(*robot_, q, w.dq, 1.0);
-    for (int j = 0; j < n; ++j) q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
+    for (int j = 0; j < n; ++j)
+      q[7 + j] = std::clamp(q[7 + j], lowest(j), std::max(lowest(j), highest(j)));
     kinematics_.set(q);
     measure(targets, result);
   }

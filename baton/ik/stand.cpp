@@ -45,7 +45,8 @@ Posture stand(const RobotModel& robot, const Pose& start, double com_height) {
   }
   for (const Side side : kSides) {
     targets.sole[side] = start * Pose{Vec3(0, sign_of(side) * 0.5 * robot.profile().stance.width, 0), Mat3::Identity()};
-    for (const int j : robot.arm(side)) q[7 + j] = targets.arms[j];
+    for (const int j : robot.arm(side))
+      q[7 + j] = targets.arms[j];
   }
   // Begin with the trunk turned as it should be, and the soles about where they should be.
   Eigen::Quaterniond attitude(start.R);
@@ -58,11 +59,11 @@ Posture stand(const RobotModel& robot, const Pose& start, double com_height) {
   const IkResidual& r = result.residual;
   const double worst = std::max({r.sole_position, r.sole_rotation, r.com, r.trunk});
   if (!(worst < 1e-4)) {
-    throw InputError(fmt::format(
-        "robot {} cannot stand with its COM at {} m and its soles {} m apart: inverse kinematics leaves "
-        "sole {:.4f} m, {:.4f} rad, COM {:.4f} m, trunk {:.4f} rad",
-        robot.profile().name, com_height, robot.profile().stance.width, r.sole_position, r.sole_rotation, r.com,
-        r.trunk));
+    throw InputError(
+        fmt::format("robot {} cannot stand with its COM at {} m and its soles {} m apart: inverse kinematics leaves "
+                    "sole {:.4f} m, {:.4f} rad, COM {:.4f} m, trunk {:.4f} rad",
+                    robot.profile().name, com_height, robot.profile().stance.width, r.sole_position, r.sole_rotation,
+                    r.com, r.trunk));
   }
   Posture posture = posture_of(robot, q);
   posture.com = targets.com;

@@ -24,9 +24,7 @@ Side av8r_side(const Av8rState& state, Side previous) {
 
 Command av8r_command(const Av8rState& state, Side side, const Av8rMapping& mapping) {
   const auto stick = [&](Axis axis, double sign) { return mapping.stick(sign * state.axes[axis]); };
-  const auto lever = [&](Axis axis) {
-    return mapping.lever(0.5 * (1.0 + mapping.lever_forward * state.axes[axis]));
-  };
+  const auto lever = [&](Axis axis) { return mapping.lever(0.5 * (1.0 + mapping.lever_forward * state.axes[axis])); };
   const int up = static_cast<int>(state.buttons[kT1]) - static_cast<int>(state.buttons[kT2]);
   Command command;
   command.guide = guided_part(state, side);

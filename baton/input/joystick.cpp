@@ -52,12 +52,8 @@ Av8rState av8r_state(SDL_Joystick* stick) {
 }
 
 PadState pad_state(SDL_GameController* pad) {
-  const auto axis = [pad](SDL_GameControllerAxis which) {
-    return unit(SDL_GameControllerGetAxis(pad, which));
-  };
-  const auto held = [pad](SDL_GameControllerButton which) {
-    return SDL_GameControllerGetButton(pad, which) != 0;
-  };
+  const auto axis = [pad](SDL_GameControllerAxis which) { return unit(SDL_GameControllerGetAxis(pad, which)); };
+  const auto held = [pad](SDL_GameControllerButton which) { return SDL_GameControllerGetButton(pad, which) != 0; };
   return {.left_right = axis(SDL_CONTROLLER_AXIS_LEFTX),
           .left_down = axis(SDL_CONTROLLER_AXIS_LEFTY),
           .right_right = axis(SDL_CONTROLLER_AXIS_RIGHTX),
@@ -93,9 +89,7 @@ struct Joystick::Handle {
   StickPtr stick;
   PadPtr pad;
 
-  [[nodiscard]] SDL_Joystick* joystick() const {
-    return pad ? SDL_GameControllerGetJoystick(pad.get()) : stick.get();
-  }
+  [[nodiscard]] SDL_Joystick* joystick() const { return pad ? SDL_GameControllerGetJoystick(pad.get()) : stick.get(); }
 };
 
 Joystick::Joystick(const Parameters& parameters) : parameters_(parameters) {
@@ -103,8 +97,7 @@ Joystick::Joystick(const Parameters& parameters) : parameters_(parameters) {
     throw InputError(fmt::format("joystick: max_age = {}: must be more than 0 s", parameters.max_age));
   }
   if (std::abs(parameters.av8r.lever_forward) != 1.0) {
-    throw InputError(
-        fmt::format("joystick: lever_forward = {}: must be -1 or 1", parameters.av8r.lever_forward));
+    throw InputError(fmt::format("joystick: lever_forward = {}: must be -1 or 1", parameters.av8r.lever_forward));
   }
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
   SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
@@ -161,8 +154,7 @@ DeviceStatus Joystick::status() const {
       if (handle_) {
         status.hint = fmt::format("Silent for more than {} s: let go of every control.", parameters_.max_age);
       } else if (!refused_name_.empty()) {
-        status.hint =
-            fmt::format("{} is neither an AV8R nor a pad known to SDL: plug in one.", refused_name_);
+        status.hint = fmt::format("{} is neither an AV8R nor a pad known to SDL: plug in one.", refused_name_);
       } else {
         status.hint = "Plug in a joystick or a pad.";
       }

@@ -17,8 +17,8 @@ namespace baton {
 
 /// The first usable device that SDL sees: an AV8R (by its USB id, or any stick with its layout) or a pad that
 /// SDL has a game-controller mapping for. It is kept until it goes; then the next one is taken. Its commands
-/// count once every control was at rest, triggers too; a lever counts once it was pulled back. While none counts, the command is neutral
-/// for the part guided last.
+/// count once every control was at rest, triggers too; a lever counts once it was pulled back. While none counts, the
+/// command is neutral for the part guided last.
 ///
 /// Needs no display and no thread of its own. One thread calls `read`.
 class Joystick : public Device {

@@ -38,8 +38,7 @@ std::string shown(const Json& value) {
 std::string reason(const Json::exception& error) {
   const std::string_view what = error.what();
   const std::size_t column = what.find("column ");
-  return shortened(std::string(what.substr(column != std::string_view::npos ? column : what.find("] ") + 2)),
-                   160);
+  return shortened(std::string(what.substr(column != std::string_view::npos ? column : what.find("] ") + 2)), 160);
 }
 
 /// Reads one line; every complaint names file, line, key, value and what is wanted.
@@ -61,21 +60,18 @@ class Line {
       throw InputError(fmt::format("{}: not JSON: {}", place_, reason(error)));
     }
     if (!json_.is_object()) {
-      throw InputError(
-          fmt::format("{}: {}: must be an object like {{\"t\": 0.5, \"axes\": [1, 0, 0, 0, 0, 0]}}", place_,
-                      shown(json_)));
+      throw InputError(fmt::format("{}: {}: must be an object like {{\"t\": 0.5, \"axes\": [1, 0, 0, 0, 0, 0]}}",
+                                   place_, shown(json_)));
     }
     for (const auto& [key, value] : json_.items()) {
       if (key != "t" && key != "guide" && key != "axes" && key != "lift") {
-        throw InputError(
-            fmt::format("{}: unknown key {}: must be t, guide, axes or lift", place_, shown(Json(key))));
+        throw InputError(fmt::format("{}: unknown key {}: must be t, guide, axes or lift", place_, shown(Json(key))));
       }
     }
   }
 
   [[nodiscard]] double time(double earliest) const {
-    if (!json_.contains("t"))
-      throw InputError(fmt::format("{}: t is missing: must be a time in seconds", place_));
+    if (!json_.contains("t")) throw InputError(fmt::format("{}: t is missing: must be a time in seconds", place_));
     const Json& value = json_["t"];
     if (!value.is_number() || value.get<double>() < 0.0) complain("t", "a time in seconds, 0 or more");
     const auto t = value.get<double>();
@@ -163,8 +159,7 @@ Script Script::parse(std::string_view text, std::string name) {
   return Script(std::move(entries), std::move(name));
 }
 
-Script::Script(std::vector<Entry> entries, std::string name)
-    : entries_(std::move(entries)), name_(std::move(name)) {
+Script::Script(std::vector<Entry> entries, std::string name) : entries_(std::move(entries)), name_(std::move(name)) {
   double earliest = 0.0;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     auto& [t, command] = entries_[i];

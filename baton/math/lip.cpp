@@ -7,8 +7,7 @@
 
 namespace baton {
 
-ComPath::ComPath(double omega, std::vector<double> times, std::vector<Vec3> knots, const Vec3& p0,
-                 const Vec3& dp0)
+ComPath::ComPath(double omega, std::vector<double> times, std::vector<Vec3> knots, const Vec3& p0, const Vec3& dp0)
     : omega_(omega), times_(std::move(times)), knots_(std::move(knots)), p_{p0}, dp_{dp0} {
   p_.reserve(times_.size());
   dp_.reserve(times_.size());
@@ -23,7 +22,8 @@ ComState ComPath::at(double t) const {
   const double clamped = std::clamp(t, 0.0, times_.back());
   // The interval that holds t, among those whose initial state is known.
   std::size_t k = std::min(p_.size(), times_.size() - 1) - 1;
-  while (k > 0 && clamped < times_[k]) --k;
+  while (k > 0 && clamped < times_[k])
+    --k;
   const double h = times_[k + 1] - times_[k];
   const double tau = clamped - times_[k];
   const Vec3 rate = (knots_[k + 1] - knots_[k]) / h;
@@ -45,7 +45,8 @@ ComPath solve_com_path(double omega, std::span<const VrpKnot> knots, const Vec3&
   if (n < 2) throw std::invalid_argument("solve_com_path: at least two VRP knots are needed");
   // Rows of A: divergent (0) and convergent (1) component, scaled so that neither overflows.
   const double T = knots[n - 1].t;
-  Eigen::Matrix<double, 2, Eigen::Dynamic> A = Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, static_cast<Eigen::Index>(n));
+  Eigen::Matrix<double, 2, Eigen::Dynamic> A =
+      Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, static_cast<Eigen::Index>(n));
   for (std::size_t k = 0; k + 1 < n; ++k) {
     const double a = omega * (knots[k + 1].t - knots[k].t);
     if (!(a > 0.0)) throw std::invalid_argument("solve_com_path: knot times must increase");
@@ -80,8 +81,7 @@ ComPath solve_com_path(double omega, std::span<const VrpKnot> knots, const Vec3&
   std::vector<Vec3> values(n);
   for (std::size_t k = 0; k < n; ++k) {
     times[k] = knots[k].t;
-    values[k] = knots[k].wish +
-                multiplier.transpose() * A.col(static_cast<Eigen::Index>(k)) / knots[k].weight;
+    values[k] = knots[k].wish + multiplier.transpose() * A.col(static_cast<Eigen::Index>(k)) / knots[k].weight;
   }
   return {omega, std::move(times), std::move(values), p0, dp0};
 }

@@ -20,9 +20,9 @@ struct ComState {
 
 /// Wish for one VRP knot.
 struct VrpKnot {
-  double t = 0.0;               ///< [s] from the start
-  Vec3 wish = Vec3::Zero();     ///< reference value [m]
-  double weight = 1.0;          ///< of the deviation from the wish, > 0
+  double t = 0.0;            ///< [s] from the start
+  Vec3 wish = Vec3::Zero();  ///< reference value [m]
+  double weight = 1.0;       ///< of the deviation from the wish, > 0
 };
 
 /// A centre-of-mass motion: knots of the VRP and the state at t = 0.
@@ -53,8 +53,8 @@ class ComPath {
 /// wishes, in the weighted least-squares sense, that bring the COM from (p0, dp0) to rest at `goal`.
 /// @param knots at least two, times increasing from 0; the last time is the duration
 /// @throws std::invalid_argument fewer than two knots, times that do not increase, weights not positive
-[[nodiscard]] ComPath solve_com_path(double omega, std::span<const VrpKnot> knots, const Vec3& p0,
-                                     const Vec3& dp0, const Vec3& goal);
+[[nodiscard]] ComPath solve_com_path(double omega, std::span<const VrpKnot> knots, const Vec3& p0, const Vec3& dp0,
+                                     const Vec3& goal);
 
 /// Where the line of force of a point mass at `com` with VRP `v` meets the plane z = `z_ground` [m].
 /// Not finite when the vertical force is not positive.

@@ -8,7 +8,9 @@ namespace {
 
 constexpr double kOneCorner = 1e-9;  ///< [m]
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 /// The part of a vertex loop where normal · x ≥ offset (Sutherland–Hodgman).
 std::vector<Vec2> clip_half_plane(const std::vector<Vec2>& loop, const Vec2& normal, double offset) {
@@ -35,20 +37,20 @@ Vec2 inward_normal(const Vec2& a, const Vec2& b) {
 
 ConvexPolygon ConvexPolygon::hull(std::span<const Vec2> points) {
   std::vector<Vec2> sorted(points.begin(), points.end());
-  std::sort(sorted.begin(), sorted.end(), [](const Vec2& a, const Vec2& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
+  std::sort(sorted.begin(), sorted.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   std::vector<Vec2> chain;
   const auto extend = [&chain](const Vec2& point, std::size_t base) {
-    while (chain.size() >= base + 2 &&
-           cross(chain.back() - chain[chain.size() - 2], point - chain.back()) <= 0.0) {
+    while (chain.size() >= base + 2 && cross(chain.back() - chain[chain.size() - 2], point - chain.back()) <= 0.0) {
       chain.pop_back();
     }
     chain.push_back(point);
   };
-  for (const Vec2& point : sorted) extend(point, 0);
+  for (const Vec2& point : sorted)
+    extend(point, 0);
   const std::size_t lower = chain.size();
-  for (std::size_t i = sorted.size(); i-- > 1;) extend(sorted[i - 1], lower - 1);
+  for (std::size_t i = sorted.size(); i-- > 1;)
+    extend(sorted[i - 1], lower - 1);
   if (chain.size() > 1) chain.pop_back();
   // Corners that are one corner but for rounding would make edges of no direction.
   std::vector<Vec2> corners;
@@ -121,7 +123,8 @@ ConvexPolygon ConvexPolygon::clipped(const ConvexPolygon& other) const {
 
 Vec2 ConvexPolygon::centre() const {
   Vec2 sum = Vec2::Zero();
-  for (const Vec2& vertex : vertices_) sum += vertex;
+  for (const Vec2& vertex : vertices_)
+    sum += vertex;
   return empty() ? sum : Vec2(sum / static_cast<double>(vertices_.size()));
 }
 
@@ -132,7 +135,8 @@ double separation(const ConvexPolygon& a, const ConvexPolygon& b) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const Vec2 outward = -inward_normal(vertices[i], vertices[(i + 1) % vertices.size()]);
       double nearest = std::numeric_limits<double>::infinity();
-      for (const Vec2& vertex : to.vertices()) nearest = std::min(nearest, outward.dot(vertex - vertices[i]));
+      for (const Vec2& vertex : to.vertices())
+        nearest = std::min(nearest, outward.dot(vertex - vertices[i]));
       widest = std::max(widest, nearest);
     }
     return widest;

@@ -21,7 +21,9 @@ Vec3 rotation_log(const Mat3& R) {
   return near_pi.angle() * near_pi.axis();
 }
 
-Vec3 rotation_error(const Mat3& goal, const Mat3& R) { return rotation_log(goal * R.transpose()); }
+Vec3 rotation_error(const Mat3& goal, const Mat3& R) {
+  return rotation_log(goal * R.transpose());
+}
 
 Mat3 rotation_z(double yaw) {
   const double c = std::cos(yaw);
@@ -31,7 +33,9 @@ Mat3 rotation_z(double yaw) {
   return R;
 }
 
-double yaw_of(const Mat3& R) { return std::atan2(R(1, 0), R(0, 0)); }
+double yaw_of(const Mat3& R) {
+  return std::atan2(R(1, 0), R(0, 0));
+}
 
 Vec3 rpy_of(const Mat3& R) {
   return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))), yaw_of(R)};
@@ -41,9 +45,13 @@ Mat3 rotation_rpy(const Vec3& rpy) {
   return rotation_z(rpy.z()) * rotation_exp({0, rpy.y(), 0}) * rotation_exp({rpy.x(), 0, 0});
 }
 
-double wrap_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double wrap_angle(double angle) {
+  return std::remainder(angle, 2.0 * std::numbers::pi);
+}
 
-double mean_yaw(double a, double b) { return wrap_angle(a + 0.5 * wrap_angle(b - a)); }
+double mean_yaw(double a, double b) {
+  return wrap_angle(a + 0.5 * wrap_angle(b - a));
+}
 
 Mat3 interpolate(const Mat3& a, const Mat3& b, double s) {
   return rotation_exp(s * rotation_error(b, a)) * a;

@@ -53,7 +53,8 @@ BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, c
     // between the soles: then what remains, the offset common to both soles, is smallest.
     const double height = support_plane(sole, contact);
     Vec2 half = Vec2::Zero();
-    for (const Vec2& vertex : robot.sole(Side::left).vertices()) half = half.cwiseMax(vertex.cwiseAbs());
+    for (const Vec2& vertex : robot.sole(Side::left).vertices())
+      half = half.cwiseMax(vertex.cwiseAbs());
     const Mat3 to_feet = rotation_z(-mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R)));
     const auto scaled = [&](const Vec3& x) -> Vec2 { return (to_feet * x).head<2>().cwiseQuotient(half); };
     const Vec2 zmp = total.zmp(height);
@@ -63,7 +64,8 @@ BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, c
     load = {1.0 - right, std::isfinite(right) ? right : 0.5};
   }
   Vec3 rest = total.moment;  // what the forces at the soles' centres leave
-  for (const Side side : kSides) rest -= sole[side].p.cross(load[side] * total.force);
+  for (const Side side : kSides)
+    rest -= sole[side].p.cross(load[side] * total.force);
   BySide<Wrench> shared;
   for (const Side side : kSides) {
     shared[side].force = load[side] * total.force;

@@ -5,7 +5,9 @@
 namespace baton {
 namespace {
 
-Eigen::Map<const Vec3> vec3(const mjtNum* values) { return Eigen::Map<const Vec3>(values); }
+Eigen::Map<const Vec3> vec3(const mjtNum* values) {
+  return Eigen::Map<const Vec3>(values);
+}
 
 }  // namespace
 
@@ -25,7 +27,8 @@ void Kinematics::prepare() const {
 Vec3 Kinematics::com() const {
   const mjModel& m = robot_->mj();
   Vec3 moment = Vec3::Zero();
-  for (int b = 1; b < m.nbody; ++b) moment += m.body_mass[b] * vec3(data_->xipos + 3 * b);
+  for (int b = 1; b < m.nbody; ++b)
+    moment += m.body_mass[b] * vec3(data_->xipos + 3 * b);
   return moment / robot_->mass();
 }
 
@@ -64,7 +67,8 @@ void Kinematics::point_jacobian(int body, const Vec3& point, Eigen::Ref<Jacobian
 void Kinematics::rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) const {
   prepare();
   rows.setZero();
-  for (const int i : robot_->dofs_to(body)) rows.col(i) = vec3(data_->cdof + 6 * i);
+  for (const int i : robot_->dofs_to(body))
+    rows.col(i) = vec3(data_->cdof + 6 * i);
 }
 
 void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force) {
@@ -75,7 +79,8 @@ void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq
   mju_copy(data_->qacc, ddq.data(), m.nv);
   mj_comVel(&m, data_.get());
   mj_rne(&m, data_.get(), 1, force.data());
-  for (int i = 0; i < m.nv; ++i) force[i] += m.dof_armature[i] * ddq[i];
+  for (int i = 0; i < m.nv; ++i)
+    force[i] += m.dof_armature[i] * ddq[i];
 }
 
 double Kinematics::self_distance(double limit, std::array<int, 2>* geoms) const {

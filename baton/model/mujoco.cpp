@@ -13,8 +13,12 @@ namespace {
 
 thread_local int warnings = 0;
 
-void on_error(const char* message) { throw std::runtime_error(fmt::format("MuJoCo: {}", message)); }
-void on_warning(const char* /*message*/) { ++warnings; }
+void on_error(const char* message) {
+  throw std::runtime_error(fmt::format("MuJoCo: {}", message));
+}
+void on_warning(const char* /*message*/) {
+  ++warnings;
+}
 
 /// The parser's message, which may have several lines, on one.
 std::string one_line(std::string message) {
@@ -32,7 +36,9 @@ void install_mujoco_handlers() {
   });
 }
 
-int mujoco_warnings() { return warnings; }
+int mujoco_warnings() {
+  return warnings;
+}
 
 SpecPtr parse_model(const std::filesystem::path& file) {
   install_mujoco_handlers();

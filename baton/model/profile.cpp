@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <cmath>
 #include <numbers>
 #include <set>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "baton/model/error.hpp"
 
@@ -42,7 +42,8 @@ class Reader {
     const toml::array* array = node.as_array();
     if (array == nullptr || array->size() != N) complain(key, fmt::format("an array of {} numbers", N));
     std::array<double, N> values{};
-    for (std::size_t i = 0; i < N; ++i) values[i] = checked(key, node[i], lo, hi);
+    for (std::size_t i = 0; i < N; ++i)
+      values[i] = checked(key, node[i], lo, hi);
     return values;
   }
 
@@ -127,7 +128,8 @@ template <std::size_t N>
 std::array<double, N> shares(const Reader& read, const std::string& key) {
   const auto values = read.numbers<N>(key, 0.01, 1.0);
   double sum = 0.0;
-  for (const double value : values) sum += value;
+  for (const double value : values)
+    sum += value;
   if (std::abs(sum - 1.0) > 1e-6) read.complain(key, "shares whose sum is 1");
   return values;
 }
@@ -155,8 +157,8 @@ Profile Profile::load(const std::filesystem::path& file) {
   try {
     table = toml::parse_file(file.string());
   } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("profile {}: line {}: {}", file.string(), error.source().begin.line,
-                                 error.description()));
+    throw InputError(
+        fmt::format("profile {}: line {}: {}", file.string(), error.source().begin.line, error.description()));
   }
   const Reader read(table, file.string());
   Profile p;
@@ -165,7 +167,8 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.parts = {read.text("parts.trunk"), sided(read, "foot"), sided(read, "hand"), sided(read, "shoulder")};
   if (read.at("parts.imu")) p.imu = read.text("parts.imu");
   p.stance = {read.positive("stance.width", 2.0), read.positive("stance.com_height", 3.0)};
-  for (const auto& [joint, degrees] : read.table("home_deg", -360, 360)) p.home[joint] = degrees * kDegree;
+  for (const auto& [joint, degrees] : read.table("home_deg", -360, 360))
+    p.home[joint] = degrees * kDegree;
   p.reach = {read.positive("reach.foot", 2), read.positive("reach.trunk", 2), read.positive("reach.hand", 2),
              read.positive("reach.rotation", 3)};
   p.region = {read.range("region.foot_x", -2, 2),

@@ -19,12 +19,14 @@ std::vector<Vec3> surface_points(const mjModel& m, int geom) {
     case mjGEOM_BOX:
       for (const double x : {-1.0, 1.0}) {
         for (const double y : {-1.0, 1.0}) {
-          for (const double z : {-1.0, 1.0}) points.emplace_back(x * size[0], y * size[1], z * size[2]);
+          for (const double z : {-1.0, 1.0})
+            points.emplace_back(x * size[0], y * size[1], z * size[2]);
         }
       }
       break;
     case mjGEOM_SPHERE:
-      points = {{0, 0, -size[0]}, {0, 0, size[0]}, {size[0], 0, 0}, {-size[0], 0, 0}, {0, size[0], 0}, {0, -size[0], 0}};
+      points = {{0, 0, -size[0]}, {0, 0, size[0]}, {size[0], 0, 0},
+                {-size[0], 0, 0}, {0, size[0], 0}, {0, -size[0], 0}};
       break;
     case mjGEOM_CAPSULE:
       for (const double end : {-size[1], size[1]}) {
@@ -50,8 +52,7 @@ std::vector<Vec3> surface_points(const mjModel& m, int geom) {
 }
 
 Pose local_pose(const mjtNum* pos, const mjtNum* quat) {
-  return {Vec3(pos[0], pos[1], pos[2]),
-          Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
+  return {Vec3(pos[0], pos[1], pos[2]), Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
 }
 
 }  // namespace
@@ -72,14 +73,17 @@ RobotModel RobotModel::load(const std::string& name_or_file) {
   return RobotModel(Profile::load(file));
 }
 
-SpecPtr RobotModel::spec() const { return parse_model(profile_.model); }
+SpecPtr RobotModel::spec() const {
+  return parse_model(profile_.model);
+}
 
 RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
   const std::string owner = fmt::format("model {}", profile_.model.string());
   const SpecPtr text = spec();
   model_ = compile_model(*text, owner);
   const mjModel& m = *model_;
-  for (int i = 0; i < m.nbody; ++i) dofs_to_.push_back(chain(i));
+  for (int i = 0; i < m.nbody; ++i)
+    dofs_to_.push_back(chain(i));
   trunk_body_ = find_id(m, mjOBJ_BODY, profile_.parts.trunk, owner);
   read_joints(owner);
   for (const Side side : kSides) {
@@ -115,7 +119,8 @@ RobotModel::Frame RobotModel::site_frame(const std::string& site, const std::str
 std::vector<int> RobotModel::chain(int body) const {
   std::vector<int> dofs;
   for (int b = body; b > 0; b = model_->body_parentid[b]) {
-    for (int k = model_->body_dofnum[b] - 1; k >= 0; --k) dofs.push_back(model_->body_dofadr[b] + k);
+    for (int k = model_->body_dofnum[b] - 1; k >= 0; --k)
+      dofs.push_back(model_->body_dofadr[b] + k);
   }
   std::reverse(dofs.begin(), dofs.end());
   return dofs;
@@ -152,20 +157,22 @@ void RobotModel::read_joints(const std::string& owner) {
     }
     joint.motor = {stall, m.dof_damping[m.jnt_dofadr[j]], 0.0};
     if (!(joint.motor.damping > 0.0)) {
-      throw InputError(fmt::format("{}: joint '{}' has no damping: the motor's back-EMF sets its no-load speed",
-                                   owner, joint.name));
+      throw InputError(
+          fmt::format("{}: joint '{}' has no damping: the motor's back-EMF sets its no-load speed", owner, joint.name));
     }
     joint.motor.no_load = stall / joint.motor.damping;
     joint.speed = profile_.margin.speed * joint.motor.no_load;
     const auto gains = profile_.gains.find(joint.name);
     if (gains == profile_.gains.end()) {
-      throw InputError(fmt::format("profile of {}: drive.gains names no gains for joint '{}'", profile_.name, joint.name));
+      throw InputError(
+          fmt::format("profile of {}: drive.gains names no gains for joint '{}'", profile_.name, joint.name));
     }
     joint.gains = gains->second;
     if (const auto home = profile_.home.find(joint.name); home != profile_.home.end()) {
       joint.home = home->second;
       if (joint.home < joint.position.lo || joint.home > joint.position.hi) {
-        throw InputError(fmt::format("profile of {}: home_deg.{} lies outside the joint's range", profile_.name, joint.name));
+        throw InputError(
+            fmt::format("profile of {}: home_deg.{} lies outside the joint's range", profile_.name, joint.name));
       }
     }
     joints_.push_back(std::move(joint));
@@ -174,10 +181,12 @@ void RobotModel::read_joints(const std::string& owner) {
     return std::any_of(joints_.begin(), joints_.end(), [&](const Joint& joint) { return joint.name == name; });
   };
   for (const auto& [name, value] : profile_.home) {
-    if (!known(name)) throw InputError(fmt::format("profile of {}: home_deg.{}: the model has no such joint", profile_.name, name));
+    if (!known(name))
+      throw InputError(fmt::format("profile of {}: home_deg.{}: the model has no such joint", profile_.name, name));
   }
   for (const auto& [name, value] : profile_.gains) {
-    if (!known(name)) throw InputError(fmt::format("profile of {}: drive.gains: the model has no joint '{}'", profile_.name, name));
+    if (!known(name))
+      throw InputError(fmt::format("profile of {}: drive.gains: the model has no joint '{}'", profile_.name, name));
   }
 }
 
@@ -213,7 +222,8 @@ void RobotModel::read_sole(Side side) {
   }
   const Vec2 centre = 0.5 * (lo + hi);
   std::vector<Vec2> centred;
-  for (const Vec2& vertex : polygon.vertices()) centred.push_back(vertex - centre);
+  for (const Vec2& vertex : polygon.vertices())
+    centred.push_back(vertex - centre);
   sole_[side] = ConvexPolygon::hull(centred);
   foot.frame = foot.frame * Pose{Vec3(centre.x(), centre.y(), lowest), Mat3::Identity()};
 }

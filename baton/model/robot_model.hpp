@@ -29,7 +29,7 @@ struct Motor {
 /// A hinge joint with its motor.
 struct Joint {
   std::string name;
-  Range position;  ///< [rad]
+  Range position;      ///< [rad]
   double speed = 0.0;  ///< largest |q̇|: the profile's share of the no-load speed [rad/s]
   Motor motor;
   Profile::Gains gains;

@@ -9,10 +9,14 @@ enum class Side { left, right };
 
 inline constexpr std::array<Side, 2> kSides{Side::left, Side::right};
 
-[[nodiscard]] constexpr Side other(Side side) { return side == Side::left ? Side::right : Side::left; }
+[[nodiscard]] constexpr Side other(Side side) {
+  return side == Side::left ? Side::right : Side::left;
+}
 
 /// +1 on the left (+y), −1 on the right.
-[[nodiscard]] constexpr double sign_of(Side side) { return side == Side::left ? 1.0 : -1.0; }
+[[nodiscard]] constexpr double sign_of(Side side) {
+  return side == Side::left ? 1.0 : -1.0;
+}
 
 /// One value for each side.
 template <typename T>

@@ -25,7 +25,8 @@ std::vector<Vec2> cover(const ConvexPolygon& outline, double spacing) {
     for (int k = 0; k < along; ++k) {
       const Vec2 rim = a + edge * (static_cast<double>(k) / along);
       const int inward = std::max(1, static_cast<int>(std::ceil((centre - rim).norm() / spacing)));
-      for (int j = 0; j < inward; ++j) points.push_back(rim + (centre - rim) * (static_cast<double>(j) / inward));
+      for (int j = 0; j < inward; ++j)
+        points.push_back(rim + (centre - rim) * (static_cast<double>(j) / inward));
     }
   }
   points.push_back(centre);
@@ -59,7 +60,8 @@ World::World(const std::filesystem::path& file) : file_(file), name_(file.stem()
                     Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->geom_xmat + 9 * g)};
     Vec3 half = Eigen::Map<const Vec3>(m.geom_size + 3 * g);
     if (m.geom_type[g] == mjGEOM_PLANE) {
-      for (const int axis : {0, 1}) half[axis] = half[axis] > 0.0 ? half[axis] : kFarAway;
+      for (const int axis : {0, 1})
+        half[axis] = half[axis] > 0.0 ? half[axis] : kFarAway;
       half.z() = 0.0;
     } else if (m.geom_type[g] != mjGEOM_BOX) {
       throw InputError(fmt::format("{}: geom '{}' may be stood on but is neither a plane nor a box", owner, name));
@@ -124,7 +126,8 @@ double World::highest_under(const ConvexPolygon& outline) const {
   for (const GroundFace& face : faces_) {
     if (separation(outline, face.outline) > 0.0) continue;
     const ConvexPolygon shared = outline.clipped(face.outline);
-    for (const Vec2& vertex : shared.vertices()) highest = std::max(highest, face.height(vertex));
+    for (const Vec2& vertex : shared.vertices())
+      highest = std::max(highest, face.height(vertex));
   }
   return highest;
 }
@@ -167,8 +170,8 @@ std::string World::compose(const RobotModel& robot, double timestep) const {
   mjsElement* frame = mjs_addFrame(mjs_findBody(world.get(), "world"), nullptr)->element;
   mjsBody* root = mjs_findBody(body.get(), name_of(robot.mj(), mjOBJ_BODY, 1).c_str());
   if (mjs_attach(frame, root->element, "", "") == nullptr) {
-    throw InputError(fmt::format("world {} and robot {}: {}", file_.string(), robot.profile().name,
-                                 mjs_getError(world.get())));
+    throw InputError(
+        fmt::format("world {} and robot {}: {}", file_.string(), robot.profile().name, mjs_getError(world.get())));
   }
   mjOption& option = world->option;
   option.timestep = timestep;
@@ -176,7 +179,8 @@ std::string World::compose(const RobotModel& robot, double timestep) const {
   option.cone = mjCONE_ELLIPTIC;
   option.impratio = 10.0;
   option.disableflags |= mjDSBL_AUTORESET;
-  for (int axis = 0; axis < 3; ++axis) option.gravity[axis] = axis == 2 ? -kGravity : 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+    option.gravity[axis] = axis == 2 ? -kGravity : 0.0;
   const ModelPtr compiled = compile_model(*world, fmt::format("world {} with robot {}", name_, robot.profile().name));
   std::array<char, 1000> message{};
   std::vector<char> text(1 << 22);

@@ -14,7 +14,7 @@ namespace baton {
 
 /// A flat face that may be stood on: the upper side of a plane or of a box.
 struct GroundFace {
-  ConvexPolygon outline;  ///< seen from above [m]
+  ConvexPolygon outline;        ///< seen from above [m]
   Vec3 point = Vec3::Zero();    ///< on the face
   Vec3 normal = Vec3::UnitZ();  ///< unit, upward
 
@@ -32,8 +32,8 @@ struct GroundPoint {
 
 /// The ground under a sole.
 struct Foothold {
-  bool flat = false;       ///< wholly on known ground, flat enough, away from edges
-  double height = 0.0;     ///< at the sole's centre [m]
+  bool flat = false;    ///< wholly on known ground, flat enough, away from edges
+  double height = 0.0;  ///< at the sole's centre [m]
   Vec3 normal = Vec3::UnitZ();
   double deviation = 0.0;  ///< largest distance of a point under the sole from the plane at its centre [m]
 };

@@ -19,10 +19,10 @@ struct ContactPhase {
 
 /// What the robot is told at one tick: where its joints shall be when the tick ends. Angles before any folding.
 struct JointTarget {
-  VecX q;    ///< joint angles (n) [rad]
-  VecX dq;   ///< [rad/s]
-  VecX ddq;  ///< [rad/s²]
-  VecX tau;  ///< feed-forward torque at the joint, motor damping included (n) [N·m]
+  VecX q;                            ///< joint angles (n) [rad]
+  VecX dq;                           ///< [rad/s]
+  VecX ddq;                          ///< [rad/s²]
+  VecX tau;                          ///< feed-forward torque at the joint, motor damping included (n) [N·m]
   BySide<bool> contact{true, true};  ///< which soles are meant to stand
 };
 

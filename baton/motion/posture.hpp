@@ -11,34 +11,42 @@ namespace baton {
 /// The five navigation points.
 enum class Part { left_foot, right_foot, left_hand, right_hand, trunk };
 
-inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, Part::left_hand,
-                                            Part::right_hand, Part::trunk};
+inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, Part::left_hand, Part::right_hand,
+                                            Part::trunk};
 
 [[nodiscard]] constexpr std::string_view to_string(Part part) {
   constexpr std::array<std::string_view, 5> names{"left_foot", "right_foot", "left_hand", "right_hand", "trunk"};
   return names[static_cast<std::size_t>(part)];
 }
 
-[[nodiscard]] constexpr bool is_foot(Part part) { return part == Part::left_foot || part == Part::right_foot; }
-[[nodiscard]] constexpr bool is_hand(Part part) { return part == Part::left_hand || part == Part::right_hand; }
+[[nodiscard]] constexpr bool is_foot(Part part) {
+  return part == Part::left_foot || part == Part::right_foot;
+}
+[[nodiscard]] constexpr bool is_hand(Part part) {
+  return part == Part::left_hand || part == Part::right_hand;
+}
 /// Side of a foot or hand.
 [[nodiscard]] constexpr Side side_of(Part part) {
   return part == Part::left_foot || part == Part::left_hand ? Side::left : Side::right;
 }
-[[nodiscard]] constexpr Part foot(Side side) { return side == Side::left ? Part::left_foot : Part::right_foot; }
-[[nodiscard]] constexpr Part hand(Side side) { return side == Side::left ? Part::left_hand : Part::right_hand; }
+[[nodiscard]] constexpr Part foot(Side side) {
+  return side == Side::left ? Part::left_foot : Part::right_foot;
+}
+[[nodiscard]] constexpr Part hand(Side side) {
+  return side == Side::left ? Part::left_hand : Part::right_hand;
+}
 
 /// Planned state of the whole robot, in the planning frame.
 struct Posture {
-  VecX q;                       ///< configuration (nq)
-  VecX dq;                      ///< its velocity (nv)
-  Vec3 com = Vec3::Zero();      ///< [m]
-  Vec3 dcom = Vec3::Zero();     ///< [m/s]
+  VecX q;                    ///< configuration (nq)
+  VecX dq;                   ///< its velocity (nv)
+  Vec3 com = Vec3::Zero();   ///< [m]
+  Vec3 dcom = Vec3::Zero();  ///< [m/s]
   Mat3 trunk = Mat3::Identity();
   BySide<Pose> sole;
   BySide<Pose> hand;
   BySide<Vec3> shoulder{Vec3::Zero(), Vec3::Zero()};  ///< [m]
-  BySide<bool> contact{true, true};  ///< which soles stand
+  BySide<bool> contact{true, true};                   ///< which soles stand
 
   /// Yaw of the heading frame: the mean of both soles' yaw [rad].
   [[nodiscard]] double heading() const { return mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R)); }

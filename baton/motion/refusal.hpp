@@ -38,9 +38,9 @@ inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_fin
 
 [[nodiscard]] constexpr std::string_view to_string(Reason reason) {
   constexpr std::array<std::string_view, kReasons> names{
-      "foot_region", "foot_yaw",    "sole_gap",    "ground",      "com_height",   "trunk_inclination",
-      "no_progress", "no_landing", "zmp",         "unreachable", "joint_limit", "joint_speed",  "joint_torque",
-      "friction",    "self_collision", "obstacle", "swing_ground", "not_finite"};
+      "foot_region",    "foot_yaw", "sole_gap",     "ground",      "com_height",  "trunk_inclination", "no_progress",
+      "no_landing",     "zmp",      "unreachable",  "joint_limit", "joint_speed", "joint_torque",      "friction",
+      "self_collision", "obstacle", "swing_ground", "not_finite"};
   return names[static_cast<std::size_t>(reason)];
 }
 

@@ -47,8 +47,8 @@ bool Planning::can_land(const Motion& motion, const GuideContext& context) {
   const GuideResult landings = guide_.landings({end, context.anchor, context.last_step, context.foothold}, up);
   const auto* goals = std::get_if<std::vector<Goal>>(&landings);
   return goals != nullptr && std::any_of(goals->begin(), goals->end(), [&](const Goal& goal) {
-    return std::holds_alternative<Motion>(planner_.plan(end, goal, context.anchor));
-  });
+           return std::holds_alternative<Motion>(planner_.plan(end, goal, context.anchor));
+         });
 }
 
 Navigator::Navigator(const RobotModel& robot, const Posture& start)

@@ -58,7 +58,8 @@ class Navigator {
   const JointTarget& tick(const Measurement& measurement, const Command& command);
 
   /// The planning task that is due now, if one is: when the segment is about to end, or at rest when the operator
-  /// asks for something new, every 50 ms at most while that is refused. To be answered by `offer`, before the take-over or else in vain.
+  /// asks for something new, every 50 ms at most while that is refused. To be answered by `offer`, before the take-over
+  /// or else in vain.
   [[nodiscard]] std::optional<Problem> request();
 
   /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
@@ -96,25 +97,25 @@ class Navigator {
 
   long tick_ = -1;
   Command command_;
-  Pose anchor_;                            ///< planning frame in the world
-  std::optional<Motion> motion_;           ///< the committed motion; none: the robot rests
-  int index_ = 0;                          ///< sample of it that belongs to this tick
-  Posture posture_;                        ///< where the robot rests when no motion is left
-  MotionSample held_;                      ///< its sample
-  const MotionSample* sample_ = nullptr;   ///< planned, at this tick
+  Pose anchor_;                           ///< planning frame in the world
+  std::optional<Motion> motion_;          ///< the committed motion; none: the robot rests
+  int index_ = 0;                         ///< sample of it that belongs to this tick
+  Posture posture_;                       ///< where the robot rests when no motion is left
+  MotionSample held_;                     ///< its sample
+  const MotionSample* sample_ = nullptr;  ///< planned, at this tick
   const State* state_ = nullptr;
-  JointTarget soft_;                       ///< after a fall: nothing is asked of the motors
+  JointTarget soft_;  ///< after a fall: nothing is asked of the motors
   bool fallen_ = false;
 
-  long committed_ = 0;                     ///< motions so far
+  long committed_ = 0;  ///< motions so far
   Side last_step_ = Side::right;
   BySide<Pose> foothold_;
   std::optional<Problem> asked_;           ///< the request under way
   std::optional<PlanningResult> offered_;  ///< its answer, to be taken over
   std::optional<Refusal> refusal_;
-  Command refused_;                        ///< what `refusal_` answers
-  Pose refused_at_;                        ///< anchor then
-  long not_before_ = 0;                    ///< tick of the next request from rest, after a refusal
+  Command refused_;      ///< what `refusal_` answers
+  Pose refused_at_;      ///< anchor then
+  long not_before_ = 0;  ///< tick of the next request from rest, after a refusal
 };
 
 }  // namespace baton

@@ -48,7 +48,8 @@ ZmpMargin zmp_margin(const ComProblem& problem, const ComPath& path, double peri
     const double from = borders[i] * period;
     const double to = borders[i + 1] * period;
     const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / 0.02)));
-    for (int k = 0; k <= steps; ++k) check(from + (to - from) * k / steps, problem.phases[i].support);
+    for (int k = 0; k <= steps; ++k)
+      check(from + (to - from) * k / steps, problem.phases[i].support);
     for (const double t : path.times()) {
       if (t > from && t < to) check(t, problem.phases[i].support);
     }

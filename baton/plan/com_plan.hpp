@@ -11,20 +11,20 @@ namespace baton {
 
 /// A contact phase of a segment whose duration is not known yet.
 struct SupportPhase {
-  double share = 1.0;      ///< of the duration
-  ConvexPolygon support;   ///< where the ZMP may be, on the problem's plane [m]
+  double share = 1.0;     ///< of the duration
+  ConvexPolygon support;  ///< where the ZMP may be, on the problem's plane [m]
 };
 
 /// Boundary value problem of one segment, for any duration.
 struct ComProblem {
-  double omega = 1.0;            ///< [rad/s]
-  Vec3 p0 = Vec3::Zero();        ///< COM at the start [m]
-  Vec3 dp0 = Vec3::Zero();       ///< its velocity [m/s]; the start may be moving
-  Vec3 goal = Vec3::Zero();      ///< COM at the end, at rest [m]
-  double plane = 0.0;            ///< height of the ZMP's plane [m]
-  double margin = 0.0;           ///< of the ZMP inside the support [m]
+  double omega = 1.0;        ///< [rad/s]
+  Vec3 p0 = Vec3::Zero();    ///< COM at the start [m]
+  Vec3 dp0 = Vec3::Zero();   ///< its velocity [m/s]; the start may be moving
+  Vec3 goal = Vec3::Zero();  ///< COM at the end, at rest [m]
+  double plane = 0.0;        ///< height of the ZMP's plane [m]
+  double margin = 0.0;       ///< of the ZMP inside the support [m]
   std::vector<SupportPhase> phases;
-  std::vector<VrpKnot> knots;    ///< wishes; `t` is a share of the duration, 0…1
+  std::vector<VrpKnot> knots;  ///< wishes; `t` is a share of the duration, 0…1
 };
 
 /// Borders of the phases [ticks], the first 0, for a duration of `ticks`; every phase has at least one tick.

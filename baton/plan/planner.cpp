@@ -26,8 +26,7 @@ bool is_matter_of_time(Reason reason) {
 
 }  // namespace
 
-Planner::Planner(const RobotModel& robot, const World& world)
-    : robot_(&robot), ik_(robot), verifier_(robot, world) {}
+Planner::Planner(const RobotModel& robot, const World& world) : robot_(&robot), ik_(robot), verifier_(robot, world) {}
 
 PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor) {
   const Profile& profile = robot_->profile();
@@ -82,7 +81,8 @@ std::optional<Refusal> Planner::survey(const Segment& segment, const Posture& fr
       const Joint& joint = robot_->joints()[j];
       const auto i = 7 + static_cast<Eigen::Index>(j);
       const double room = std::min(q[i] - joint.position.lo, joint.position.hi - q[i]);
-      if (room < profile.margin.joint) return Refusal{Reason::joint_limit, part, room, profile.margin.joint, joint.name};
+      if (room < profile.margin.joint)
+        return Refusal{Reason::joint_limit, part, room, profile.margin.joint, joint.name};
       // The mean speed between two looks: if that is too much, the largest is.
       const double speed = std::abs(q[i] - before[i]) / (stride * motion.period);
       if (speed > joint.speed) return Refusal{Reason::joint_speed, part, speed, joint.speed, joint.name};
@@ -100,7 +100,8 @@ std::optional<Refusal> Planner::realise(const Segment& segment, const Posture& f
   const double dt = motion.period;
   const Part part = motion.goal.guided;
   int ticks = 0;
-  for (const ContactPhase& phase : motion.phases) ticks += phase.ticks;
+  for (const ContactPhase& phase : motion.phases)
+    ticks += phase.ticks;
   motion.samples.assign(static_cast<std::size_t>(ticks) + 1, {});
   std::size_t phase = 0;
   int phase_end = motion.phases[0].ticks;
@@ -108,7 +109,8 @@ std::optional<Refusal> Planner::realise(const Segment& segment, const Posture& f
   double hand_residual = 0.0;
   for (int k = 0; k <= ticks; ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
-    while (phase + 1 < motion.phases.size() && k >= phase_end) phase_end += motion.phases[++phase].ticks;
+    while (phase + 1 < motion.phases.size() && k >= phase_end)
+      phase_end += motion.phases[++phase].ticks;
     sample.contact = motion.phases[phase].contact;
     targets = segment.targets(motion.com, k, ticks);
     const ComState com = motion.com.at(k * dt);

@@ -16,7 +16,9 @@ constexpr double kGapReserve = 1e-3;   ///< [m]
 constexpr double kMostOutward = 0.02;  ///< [m]
 constexpr double kOutwardStep = 4e-3;  ///< [m]
 
-BySide<bool> only(Side side) { return {side == Side::left, side == Side::right}; }
+BySide<bool> only(Side side) {
+  return {side == Side::left, side == Side::right};
+}
 
 }  // namespace
 
@@ -84,7 +86,8 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
   if (goal.swing) {
     // Turned soles may pass each other too closely on the straight way.
     const double wanted = robot.profile().region.sole_gap + kGapReserve;
-    while (outward_ < kMostOutward && least_gap() < wanted) outward_ += kOutwardStep;
+    while (outward_ < kMostOutward && least_gap() < wanted)
+      outward_ += kOutwardStep;
   }
 }
 
@@ -103,7 +106,8 @@ double Segment::least_gap() const {
 std::vector<ContactPhase> Segment::phases(int ticks) const {
   const std::vector<int> borders = phase_borders(com_.phases, ticks);
   std::vector<ContactPhase> phases;
-  for (std::size_t i = 0; i < contact_.size(); ++i) phases.push_back({borders[i + 1] - borders[i], contact_[i]});
+  for (std::size_t i = 0; i < contact_.size(); ++i)
+    phases.push_back({borders[i + 1] - borders[i], contact_[i]});
   return phases;
 }
 

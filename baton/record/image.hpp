@@ -15,9 +15,7 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 
   [[nodiscard]] std::uint8_t* row(int y) { return rgb.data() + static_cast<std::size_t>(y) * width * 3; }
-  [[nodiscard]] const std::uint8_t* row(int y) const {
-    return rgb.data() + static_cast<std::size_t>(y) * width * 3;
-  }
+  [[nodiscard]] const std::uint8_t* row(int y) const { return rgb.data() + static_cast<std::size_t>(y) * width * 3; }
 };
 
 /// @throws InputError the file cannot be written

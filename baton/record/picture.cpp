@@ -49,8 +49,7 @@ struct Picture::Canvas {
       mjv_makeScene(model.get(), &scene, kModelGeoms);
       mjr_makeContext(model.get(), &context, mjFONTSCALE_100);
       mjr_setBuffer(mjFB_OFFSCREEN, &context);
-      if (context.currentBuffer != mjFB_OFFSCREEN)
-        throw std::runtime_error("picture: OSMesa has no off-screen buffer");
+      if (context.currentBuffer != mjFB_OFFSCREEN) throw std::runtime_error("picture: OSMesa has no off-screen buffer");
     } catch (...) {
       free();
       throw;
@@ -68,8 +67,7 @@ struct Picture::Canvas {
   }
 
   void free() {
-    if (OSMesaMakeCurrent(gl, window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) == GL_TRUE)
-      mjr_freeContext(&context);
+    if (OSMesaMakeCurrent(gl, window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) == GL_TRUE) mjr_freeContext(&context);
     mjv_freeScene(&scene);
     OSMesaDestroyContext(gl);
   }

@@ -3,7 +3,9 @@
 namespace baton {
 namespace {
 
-nlohmann::json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::json vector_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 nlohmann::json pose_json(const Pose& pose) {
   return {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
@@ -38,7 +40,8 @@ nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
                        {"where", margin.where}});
   }
   const Posture& end = motion.end;
-  nlohmann::json goal = {{"com", vector_json(anchor * end.com)}, {"trunk", {{"rpy", vector_json(rpy_of(anchor.R * end.trunk))}}}};
+  nlohmann::json goal = {{"com", vector_json(anchor * end.com)},
+                         {"trunk", {{"rpy", vector_json(rpy_of(anchor.R * end.trunk))}}}};
   for (const Side side : kSides) {
     goal[std::string(to_string(foot(side)))] = pose_json(anchor * end.sole[side]);
     goal[std::string(to_string(foot(side)))]["contact"] = end.contact[side];

@@ -82,8 +82,7 @@ std::string number(double value, double step) {
   const double size = std::abs(value);
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   const bool plain = decimals <= 4 && size < 1e6;
-  return (value < 0 ? "\u2212" : "") +
-         (plain ? fmt::format("{:.{}f}", size, decimals) : fmt::format("{:.4g}", size));
+  return (value < 0 ? "\u2212" : "") + (plain ? fmt::format("{:.{}f}", size, decimals) : fmt::format("{:.4g}", size));
 }
 
 /// The lines and the points of one panel.
@@ -132,23 +131,21 @@ class Drawing {
     std::string labels;
     const double sx = x_.tick_step(80);
     for (double tick = std::ceil(x_.lo / sx - 1e-9) * sx; tick <= x_.hi + 1e-9 * sx; tick += sx) {
-      out +=
-          fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}V{2:.2f}\"/>", x_.at(tick), y_.end, y_.begin);
+      out += fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}V{2:.2f}\"/>", x_.at(tick), y_.end, y_.begin);
       labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", x_.at(tick),
                             y_.begin + 16, number(tick, sx));
     }
     const double sy = y_.tick_step(34);
     for (double tick = std::ceil(y_.lo / sy - 1e-9) * sy; tick <= y_.hi + 1e-9 * sy; tick += sy) {
-      out +=
-          fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}H{2:.2f}\"/>", x_.begin, y_.at(tick), x_.end);
+      out += fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}H{2:.2f}\"/>", x_.begin, y_.at(tick), x_.end);
       labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"end\">{}</text>\n", x_.begin - 7,
                             y_.at(tick) + 4, number(tick, sy));
     }
     out += fmt::format("\n<g clip-path=\"url(#box{})\">\n", index_);
     for (const Area& area : panel_.areas) {
-      out += fmt::format("<path fill=\"{0}\" fill-opacity=\"{1:.3f}\" stroke=\"{2}\" d=\"{3}Z\"/>\n",
-                         escaped(area.colour), area.opacity, area.edge ? escaped(area.colour) : "none",
-                         path(area.outline));
+      out +=
+          fmt::format("<path fill=\"{0}\" fill-opacity=\"{1:.3f}\" stroke=\"{2}\" d=\"{3}Z\"/>\n", escaped(area.colour),
+                      area.opacity, area.edge ? escaped(area.colour) : "none", path(area.outline));
     }
     for (std::size_t i = 0; i < panel_.series.size(); ++i) {
       const Series& series = panel_.series[i];
@@ -160,15 +157,13 @@ class Drawing {
         if (point.allFinite()) out += dot({x_.at(point.x()), y_.at(point.y())}, series, i);
       }
     }
-    out += fmt::format(
-        "</g>\n<rect class=\"frame\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n",
-        x_.begin, y_.end, w, panel_.height);
+    out += fmt::format("</g>\n<rect class=\"frame\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n",
+                       x_.begin, y_.end, w, panel_.height);
     out += labels;
-    out += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n",
-                       0.5 * (x_.begin + x_.end), y_.begin + 35, escaped(panel_.x_label));
-    out += fmt::format(
-        "<text transform=\"translate(18 {:.2f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n</g>\n",
-        0.5 * (y_.begin + y_.end), escaped(panel_.y_label));
+    out += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", 0.5 * (x_.begin + x_.end),
+                       y_.begin + 35, escaped(panel_.x_label));
+    out += fmt::format("<text transform=\"translate(18 {:.2f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n</g>\n",
+                       0.5 * (y_.begin + y_.end), escaped(panel_.y_label));
     return out;
   }
 
@@ -186,13 +181,13 @@ class Drawing {
   static std::string stroke(const Series& series, std::size_t i) {
     const char* dashes =
         series.stroke == Stroke::dashed ? "7 4" : (series.stroke == Stroke::dotted ? "1.5 3.5" : "none");
-    return fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{}\"", colour(series, i),
-                       series.width, dashes);
+    return fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{}\"", colour(series, i), series.width,
+                       dashes);
   }
 
   static std::string dot(const Vec2& at, const Series& series, std::size_t i) {
-    return fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", at.x(), at.y(),
-                       series.width, colour(series, i));
+    return fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", at.x(), at.y(), series.width,
+                       colour(series, i));
   }
 
   [[nodiscard]] std::string path(const std::vector<Vec2>& points) const {
@@ -217,8 +212,7 @@ class Drawing {
         legend_y_ += kLegend;
       }
       legend_ += sample(x, legend_y_ + 6);
-      legend_ +=
-          fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n", x + 34, legend_y_ + 10, escaped(name));
+      legend_ += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n", x + 34, legend_y_ + 10, escaped(name));
       x += wide;
     };
     for (std::size_t i = 0; i < panel_.series.size(); ++i) {
@@ -253,11 +247,7 @@ class Drawing {
 }  // namespace
 
 Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour, double opacity) {
-  return {std::move(name),
-          {low, {high.x(), low.y()}, high, {low.x(), high.y()}},
-          std::move(colour),
-          opacity,
-          false};
+  return {std::move(name), {low, {high.x(), low.y()}, high, {low.x(), high.y()}}, std::move(colour), opacity, false};
 }
 
 std::string plot_svg(std::span<const Panel> panels, double width) {

@@ -48,8 +48,7 @@ struct Area {
 };
 
 /// The rectangle between two corners.
-[[nodiscard]] Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour,
-                        double opacity = 0.25);
+[[nodiscard]] Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour, double opacity = 0.25);
 
 struct Panel {
   std::string title;

@@ -13,7 +13,9 @@ namespace {
 constexpr double kMovedShare = 0.25;
 constexpr double kMoved = 0.005;  ///< [m]
 
-nlohmann::json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::json vector_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -28,7 +30,10 @@ nlohmann::json Durations::summary() const {
     if (sorted.empty()) return 0.0;
     return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
   };
-  return {{"p50", quantile(0.5)}, {"p99", quantile(0.99)}, {"max", sorted.empty() ? 0.0 : sorted.back()}, {"n", sorted.size()}};
+  return {{"p50", quantile(0.5)},
+          {"p99", quantile(0.99)},
+          {"max", sorted.empty() ? 0.0 : sorted.back()},
+          {"n", sorted.size()}};
 }
 
 bool Report::Interval::moved() const {
@@ -54,7 +59,8 @@ void Report::close_segment() {
   const double wanted = interval.asked.norm();
   const double turned = interval.asked_rotation.norm();
   if (wanted > 0.0) interval.made += interval.asked.dot(now.p - segment_start_.p) / wanted;
-  if (turned > 0.0) interval.made_rotation += interval.asked_rotation.dot(rotation_error(now.R, segment_start_.R)) / turned;
+  if (turned > 0.0)
+    interval.made_rotation += interval.asked_rotation.dot(rotation_error(now.R, segment_start_.R)) / turned;
 }
 
 void Report::add(const TickRecord& record) {
@@ -68,10 +74,11 @@ void Report::add(const TickRecord& record) {
   if (!(command == last_command_)) {
     last_refused_.clear();
     // A throttle that only stays up asks for nothing new.
-    const bool lifts = is_foot(command.guide) &&
-                       command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
+    const bool lifts =
+        is_foot(command.guide) && command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
     if (!command.axes.isZero(0.0) || (!command.neutral() && lifts)) {
-      const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(yaw_of(nav.sample().sole.left.R), yaw_of(nav.sample().sole.right.R)));
+      const Mat3 heading =
+          nav.anchor().R * rotation_z(mean_yaw(yaw_of(nav.sample().sole.left.R), yaw_of(nav.sample().sole.right.R)));
       Interval interval;
       interval.command = command;
       const double size = is_foot(command.guide) ? reach.foot : (is_hand(command.guide) ? reach.hand : reach.trunk);
@@ -116,7 +123,8 @@ void Report::add(const TickRecord& record) {
   if (truth.touch.left || truth.touch.right) {
     const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
     const double height = support_plane(sole, truth.touch);
-    const double margin = support_polygon(*robot_, sole, truth.touch, kinematics_.com(), height).margin(measured_zmp(truth, height));
+    const double margin =
+        support_polygon(*robot_, sole, truth.touch, kinematics_.com(), height).margin(measured_zmp(truth, height));
     measured_margin_ = std::min(measured_margin_, margin);
   }
 }
@@ -147,7 +155,8 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
           {"travel_m", travel_},
           {"plan_us", plan_.summary()},
           {"tick_us", tick_.summary()},
-          {"zmp_margin_m", {{"planned_min", finite_or_null(planned_margin_)}, {"measured_min", finite_or_null(measured_margin_)}}},
+          {"zmp_margin_m",
+           {{"planned_min", finite_or_null(planned_margin_)}, {"measured_min", finite_or_null(measured_margin_)}}},
           {"tilt_deg_max", tilt_ * 180.0 / M_PI},
           {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
           {"final", final}};

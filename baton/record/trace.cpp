@@ -17,9 +17,12 @@ Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
     : robot_(&robot), kinematics_(robot), out_(file) {
   if (!out_) throw InputError(fmt::format("trace {}: cannot be written", file.string()));
   std::string header = "t,guide,segment,phase";
-  for (int i = 0; i < robot.nq(); ++i) header += fmt::format(",qpos_{}", i);
-  for (int i = 0; i < robot.nv(); ++i) header += fmt::format(",qvel_{}", i);
-  for (const Joint& joint : robot.joints()) header += fmt::format(",target_{}", joint.name);
+  for (int i = 0; i < robot.nq(); ++i)
+    header += fmt::format(",qpos_{}", i);
+  for (int i = 0; i < robot.nv(); ++i)
+    header += fmt::format(",qvel_{}", i);
+  for (const Joint& joint : robot.joints())
+    header += fmt::format(",target_{}", joint.name);
   header +=
       ",com_x,com_y,com_z,com_plan_x,com_plan_y,com_plan_z,zmp_x,zmp_y,zmp_plan_x,zmp_plan_y"
       ",contact_left,contact_right,touch_left,touch_right,force_left,force_right\n";
@@ -38,9 +41,11 @@ void Trace::add(const TickRecord& record) {
 
   fmt::memory_buffer row;
   const auto to = std::back_inserter(row);
-  fmt::format_to(to, "{:.6f},{},{},{}", record.t, to_string(nav.command().guide), nav.segment(), to_string(nav.phase()));
+  fmt::format_to(to, "{:.6f},{},{},{}", record.t, to_string(nav.command().guide), nav.segment(),
+                 to_string(nav.phase()));
   const auto numbers = [&](const auto& values) {
-    for (const double value : values) fmt::format_to(to, ",{:.10g}", value);
+    for (const double value : values)
+      fmt::format_to(to, ",{:.10g}", value);
   };
   numbers(record.truth.q);
   numbers(record.truth.dq);

@@ -22,8 +22,7 @@ Measurement IdealRobot::read() {
   m.imu.acceleration = root.R.transpose() * Vec3(0, 0, kGravity);
   for (const Side side : kSides) {
     const Pose to_sole = sole_[side].inverse();
-    m.sole[side] = {to_sole.R * truth_.sole[side].force,
-                    to_sole.R * truth_.sole[side].moment_about(sole_[side].p)};
+    m.sole[side] = {to_sole.R * truth_.sole[side].force, to_sole.R * truth_.sole[side].moment_about(sole_[side].p)};
   }
   return m;
 }
@@ -48,7 +47,8 @@ void IdealRobot::write(const JointTarget& target) {
   kinematics_.point_jacobian(body, sole_[planted_].p, rows.topRows(3));
   kinematics_.rotation_jacobian(body, rows.bottomRows(3));
   truth_.dq.head<6>() = -rows.leftCols(6).partialPivLu().solve(rows.rightCols(n) * target.dq);
-  for (const Side side : kSides) sole_[side] = kinematics_.sole(side);
+  for (const Side side : kSides)
+    sole_[side] = kinematics_.sole(side);
 
   truth_.t += period_;
   measure_ground((truth_.dq - dq_before) / period_);

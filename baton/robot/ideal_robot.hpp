@@ -21,8 +21,8 @@ class IdealRobot : public TransparentRobot {
   const RobotModel* robot_;
   double period_;
   Kinematics kinematics_;
-  Side planted_ = Side::left;      ///< the sole that carries the chain
-  BySide<Pose> sole_;              ///< where the soles are
+  Side planted_ = Side::left;  ///< the sole that carries the chain
+  BySide<Pose> sole_;          ///< where the soles are
   BySide<bool> contact_{true, true};
   Truth truth_;
 };

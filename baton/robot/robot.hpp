@@ -20,12 +20,12 @@ class Robot {
 /// What only a simulation knows: for traces and graders, never for control.
 struct Truth {
   double t = 0.0;
-  VecX q;                         ///< configuration (nq) in the order of the robot's model
-  VecX dq;                        ///< (nv)
-  BySide<Wrench> sole;            ///< from the ground, in the world, about its origin
+  VecX q;               ///< configuration (nq) in the order of the robot's model
+  VecX dq;              ///< (nv)
+  BySide<Wrench> sole;  ///< from the ground, in the world, about its origin
   BySide<bool> touch{false, false};
   bool fallen = false;
-  std::string fall;               ///< what made it one
+  std::string fall;  ///< what made it one
 };
 
 /// A robot whose truth can be seen.

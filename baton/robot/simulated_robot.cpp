@@ -67,17 +67,22 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   imu_site_ = robot.profile().imu.empty() ? -1 : find_id(m, mjOBJ_SITE, robot.profile().imu, owner);
 
   const Plant& plant = parameters_.plant;
-  for (int g = 0; g < m.ngeom; ++g) m.geom_friction[3 * g] *= plant.friction;
+  for (int g = 0; g < m.ngeom; ++g)
+    m.geom_friction[3 * g] *= plant.friction;
   for (int b = 0; b < m.nbody; ++b) {
     m.body_mass[b] *= plant.mass;
-    for (int axis = 0; axis < 3; ++axis) m.body_inertia[3 * b + axis] *= plant.mass;
+    for (int axis = 0; axis < 3; ++axis)
+      m.body_inertia[3 * b + axis] *= plant.mass;
   }
-  for (int axis = 0; axis < 3; ++axis) m.body_ipos[3 * root + axis] += plant.com_offset[axis];
+  for (int axis = 0; axis < 3; ++axis)
+    m.body_ipos[3 * root + axis] += plant.com_offset[axis];
 
   data_ = DataPtr(mj_makeData(&m));
   if (plant.mass != 1.0 || !plant.com_offset.isZero(0.0)) mj_setConst(&m, data_.get());
-  for (int i = 0; i < 7; ++i) data_->qpos[root_qpos_ + i] = start.q[i];
-  for (std::size_t j = 0; j < qpos_.size(); ++j) data_->qpos[qpos_[j]] = start.q[7 + static_cast<Eigen::Index>(j)];
+  for (int i = 0; i < 7; ++i)
+    data_->qpos[root_qpos_ + i] = start.q[i];
+  for (std::size_t j = 0; j < qpos_.size(); ++j)
+    data_->qpos[qpos_[j]] = start.q[7 + static_cast<Eigen::Index>(j)];
   if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
   truth_.q = start.q;
   truth_.dq = VecX::Zero(robot.nv());
@@ -108,13 +113,16 @@ void SimulatedRobot::write(const JointTarget& target) {
 void SimulatedRobot::observe() {
   const mjModel& m = *model_;
   truth_.t = data_->time;
-  for (int i = 0; i < 7; ++i) truth_.q[i] = data_->qpos[root_qpos_ + i];
-  for (int i = 0; i < 6; ++i) truth_.dq[i] = data_->qvel[root_dof_ + i];
+  for (int i = 0; i < 7; ++i)
+    truth_.q[i] = data_->qpos[root_qpos_ + i];
+  for (int i = 0; i < 6; ++i)
+    truth_.dq[i] = data_->qvel[root_dof_ + i];
   for (std::size_t j = 0; j < qpos_.size(); ++j) {
     truth_.q[7 + static_cast<Eigen::Index>(j)] = data_->qpos[qpos_[j]];
     truth_.dq[6 + static_cast<Eigen::Index>(j)] = data_->qvel[dof_[j]];
   }
-  for (const Side side : kSides) truth_.sole[side] = {};
+  for (const Side side : kSides)
+    truth_.sole[side] = {};
   for (int c = 0; c < data_->ncon; ++c) {
     const mjContact& contact = data_->contact[c];
     for (const int which : {0, 1}) {
@@ -133,7 +141,8 @@ void SimulatedRobot::observe() {
       sole.moment += at.cross(force) + torque;
     }
   }
-  for (const Side side : kSides) truth_.touch[side] = truth_.sole[side].force.z() > kTouch;
+  for (const Side side : kSides)
+    truth_.touch[side] = truth_.sole[side].force.z() > kTouch;
 }
 
 void SimulatedRobot::check_fall() {
@@ -145,7 +154,8 @@ void SimulatedRobot::check_fall() {
   };
   for (int i = 0; i < mjNWARNING; ++i) {
     if (data_->warning[i].number > 0) {
-      return fall(fmt::format("simulator warning: {}", mju_warningText(i, static_cast<size_t>(data_->warning[i].lastinfo))));
+      return fall(
+          fmt::format("simulator warning: {}", mju_warningText(i, static_cast<size_t>(data_->warning[i].lastinfo))));
     }
   }
   for (int c = 0; c < data_->ncon; ++c) {
@@ -172,7 +182,8 @@ void SimulatedRobot::check_fall() {
 
 void SimulatedRobot::push(const Vec3& impulse) {
   const double mass = model_->body_subtreemass[root_body_];
-  for (int axis = 0; axis < 3; ++axis) data_->qvel[root_dof_ + axis] += impulse[axis] / mass;
+  for (int axis = 0; axis < 3; ++axis)
+    data_->qvel[root_dof_ + axis] += impulse[axis] / mass;
 }
 
 Measurement SimulatedRobot::read() {

@@ -8,16 +8,16 @@ namespace baton {
 
 /// Perturbations of the plant, so that it is not the model.
 struct Plant {
-  double friction = 1.0;  ///< factor on the soles' and ground's sliding friction
-  double mass = 1.0;      ///< factor on all masses and inertias
+  double friction = 1.0;           ///< factor on the soles' and ground's sliding friction
+  double mass = 1.0;               ///< factor on all masses and inertias
   Vec3 com_offset = Vec3::Zero();  ///< of the trunk's COM [m]
-  double gains = 1.0;     ///< factor on kp and kd
+  double gains = 1.0;              ///< factor on kp and kd
 };
 
 class SimulatedRobot : public TransparentRobot {
  public:
   struct Parameters {
-    double timestep = 0.001;  ///< of physics and servo [s], a divisor of the tick's period
+    double timestep = 0.001;          ///< of physics and servo [s], a divisor of the tick's period
     double nominal_com_height = 0.0;  ///< filled in from the profile when 0 [m]
     Plant plant;
   };
@@ -49,15 +49,15 @@ class SimulatedRobot : public TransparentRobot {
   std::string text_;
   ModelPtr model_;
   DataPtr data_;
-  std::vector<int> qpos_;    ///< address of each joint's angle in the stepped model
+  std::vector<int> qpos_;  ///< address of each joint's angle in the stepped model
   std::vector<int> dof_;
-  std::vector<int> motor_;   ///< actuator of each joint
+  std::vector<int> motor_;  ///< actuator of each joint
   int root_qpos_ = 0;
   int root_dof_ = 0;
   int root_body_ = 0;
   int imu_site_ = -1;
-  std::vector<int> sole_of_geom_;    ///< −1, or the side, by geom of the stepped model
-  std::vector<char> robot_geom_;     ///< belongs to the robot, by geom
+  std::vector<int> sole_of_geom_;  ///< −1, or the side, by geom of the stepped model
+  std::vector<char> robot_geom_;   ///< belongs to the robot, by geom
   Kinematics kinematics_;
   Truth truth_;
   Vec3 acceleration_ = Vec3::Zero();

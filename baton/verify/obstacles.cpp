@@ -36,9 +36,12 @@ double Obstacles::least_distance(int geom, const Vec3& point) const {
   const Vec3 local = axes.transpose() * (point - centre);
   const Vec3 size = Eigen::Map<const Vec3>(model_->geom_size + 3 * geom);
   switch (model_->geom_type[geom]) {
-    case mjGEOM_PLANE: return local.z();
-    case mjGEOM_BOX: return (local.cwiseAbs() - size).cwiseMax(0.0).norm();
-    default: return local.norm() - model_->geom_rbound[geom];
+    case mjGEOM_PLANE:
+      return local.z();
+    case mjGEOM_BOX:
+      return (local.cwiseAbs() - size).cwiseMax(0.0).norm();
+    default:
+      return local.norm() - model_->geom_rbound[geom];
   }
 }
 

@@ -26,7 +26,7 @@ class Obstacles {
   /// A bound from below on the distance of a point from a geom of the world [m].
   [[nodiscard]] double least_distance(int geom, const Vec3& point) const;
 
-  ModelPtr model_;           ///< world and robot
+  ModelPtr model_;  ///< world and robot
   DataPtr data_;
   std::vector<std::array<int, 2>> pairs_;  ///< colliding geoms, of the robot and of the world
 };

@@ -131,7 +131,8 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, d
   };
   std::array<int, 2> pair{-1, -1};
   double distance = kinematics_.self_distance(near, &pair);
-  ledger.enter(Reason::self_collision, Part::trunk, distance, margin.self_collision, t, subject(pair, robot_->mj().ngeom));
+  ledger.enter(Reason::self_collision, Part::trunk, distance, margin.self_collision, t,
+               subject(pair, robot_->mj().ngeom));
   in_world_ = sample.q;
   const Pose root = anchor * kinematics_.body(1);
   const Eigen::Quaterniond attitude(root.R);
@@ -147,7 +148,8 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
   const auto name = [this](Reason quantity, int subject) -> std::string {
     if (subject < 0) return "";
     if (quantity == Reason::obstacle) {
-      return fmt::format("{} and {}", obstacles_.name(subject / obstacles_.geoms()), obstacles_.name(subject % obstacles_.geoms()));
+      return fmt::format("{} and {}", obstacles_.name(subject / obstacles_.geoms()),
+                         obstacles_.name(subject % obstacles_.geoms()));
     }
     if (quantity != Reason::self_collision) return robot_->joints()[static_cast<std::size_t>(subject)].name;
     const int n = robot_->mj().ngeom;

@@ -16,8 +16,8 @@ class Verifier {
   Verifier(const RobotModel& robot, const World& world);
 
   /// Checks joint positions, speeds and torques (one Motor model), the ZMP and friction of the whole body, the
-  /// gap of the soles, the swing sole over the ground, self-collision and obstacles, tick by tick, and stops at the first
-  /// violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
+  /// gap of the soles, the swing sole over the ground, self-collision and obstacles, tick by tick, and stops at the
+  /// first violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
   [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor);

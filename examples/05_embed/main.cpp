@@ -29,18 +29,16 @@ int main() {
     sensed.q = Eigen::Map<const VecX>(body->qpos + 7, robot.nq() - 7);
     sensed.dq = Eigen::Map<const VecX>(body->qvel + 6, robot.nv() - 6);
     const mjtNum* q = body->qpos;
-    sensed.root =
-        RootMeasurement{{{q[0], q[1], q[2]}, Eigen::Quaterniond(q[3], q[4], q[5], q[6]).toRotationMatrix()},
-                        Eigen::Map<const Vec3>(body->qvel),
-                        Eigen::Map<const Vec3>(body->qvel + 3)};
+    sensed.root = RootMeasurement{{{q[0], q[1], q[2]}, Eigen::Quaterniond(q[3], q[4], q[5], q[6]).toRotationMatrix()},
+                                  Eigen::Map<const Vec3>(body->qvel),
+                                  Eigen::Map<const Vec3>(body->qvel + 3)};
 
     const JointTarget& target = navigator.tick(sensed, stick);
     for (double left = period; left > 0.5 * h; left -= h) {  // servos; targets are for the tick's end
       for (int a = 0; a < model->nu; ++a) {
         const int j = model->actuator_trnid[2 * a] - 1;  // joint 0 is the free one
         const Joint& joint = robot.joints()[j];
-        const double torque = target.tau[j] +
-                              joint.gains.kp * (target.q[j] - left * target.dq[j] - body->qpos[7 + j]) +
+        const double torque = target.tau[j] + joint.gains.kp * (target.q[j] - left * target.dq[j] - body->qpos[7 + j]) +
                               joint.gains.kd * (target.dq[j] - body->qvel[6 + j]);
         body->ctrl[a] = std::clamp(torque, -joint.motor.stall, joint.motor.stall);
       }

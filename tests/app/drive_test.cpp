@@ -28,7 +28,8 @@ const std::string kWalk = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0
 class Table {
  public:
   explicit Table(std::vector<std::vector<std::string>> rows) : rows_(std::move(rows)) {
-    for (std::size_t i = 0; i < rows_.front().size(); ++i) columns_[rows_.front()[i]] = i;
+    for (std::size_t i = 0; i < rows_.front().size(); ++i)
+      columns_[rows_.front()[i]] = i;
   }
   [[nodiscard]] std::size_t rows() const { return rows_.size() - 1; }
   [[nodiscard]] bool has(const std::string& column) const { return columns_.contains(column); }
@@ -44,8 +45,8 @@ class Table {
 
 TEST(Drive, AScriptInPhysicsWritesTraceReportAndModel) {
   const Scratch scratch;
-  const Outcome outcome = run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalk), "--fast",
-                               "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
+  const Outcome outcome = run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalk),
+                               "--fast", "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
                                scratch.path("r.json"), "--save-model", scratch.path("m.xml")});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
   const nlohmann::json report = scratch.json("r.json");
@@ -77,8 +78,9 @@ TEST(Drive, AScriptInPhysicsWritesTraceReportAndModel) {
 
   const Table trace(scratch.table("t.csv"));
   ASSERT_EQ(trace.rows(), 1200u) << "a row a tick";
-  for (const char* column : {"t", "guide", "segment", "phase", "qpos_0", "qpos_26", "qvel_25", "target_left_hip_flexion", "com_z",
-                             "com_plan_z", "zmp_x", "zmp_plan_y", "contact_left", "touch_right", "force_left"}) {
+  for (const char* column :
+       {"t", "guide", "segment", "phase", "qpos_0", "qpos_26", "qvel_25", "target_left_hip_flexion", "com_z",
+        "com_plan_z", "zmp_x", "zmp_plan_y", "contact_left", "touch_right", "force_left"}) {
     EXPECT_TRUE(trace.has(column)) << column;
   }
   std::map<std::string, int> phases;
@@ -91,14 +93,16 @@ TEST(Drive, AScriptInPhysicsWritesTraceReportAndModel) {
     EXPECT_LT(std::abs(trace.number(k, "com_x") - trace.number(k, "com_plan_x")), 0.005);
   }
   EXPECT_GT(apart, 1e-5) << "measured columns are measured";
-  for (const char* phase : {"hold", "double", "single_left", "single_right"}) EXPECT_GT(phases[phase], 0) << phase;
+  for (const char* phase : {"hold", "double", "single_left", "single_right"})
+    EXPECT_GT(phases[phase], 0) << phase;
 
   const ModelPtr model = compile_text(scratch.read("m.xml"), "saved model");
   EXPECT_EQ(model->nq, 27);
   EXPECT_EQ(model->neq, 0);
   EXPECT_EQ(model->nmocap, 0);
   EXPECT_TRUE(model->opt.disableflags & mjDSBL_AUTORESET);
-  for (int b = 0; b < model->nbody; ++b) EXPECT_EQ(model->body_gravcomp[b], 0.0);
+  for (int b = 0; b < model->nbody; ++b)
+    EXPECT_EQ(model->body_gravcomp[b], 0.0);
 }
 
 TEST(Drive, TheSameScriptGivesTheSameTrace) {
@@ -106,7 +110,10 @@ TEST(Drive, TheSameScriptGivesTheSameTrace) {
   const std::string script = "script:" + scratch.write("walk.jsonl", kWalk);
   for (const char* on : {"ideal", "sim"}) {
     for (const char* file : {"a.csv", "b.csv"}) {
-      ASSERT_EQ(run({"--world", "room", "--on", on, "--input", script, "--fast", "--seconds", "4", "--trace", scratch.path(file)}).code, app::kDone);
+      ASSERT_EQ(run({"--world", "room", "--on", on, "--input", script, "--fast", "--seconds", "4", "--trace",
+                     scratch.path(file)})
+                    .code,
+                app::kDone);
     }
     EXPECT_EQ(scratch.read("a.csv"), scratch.read("b.csv"));
     EXPECT_GT(scratch.read("a.csv").size(), 100000u);
@@ -169,8 +176,9 @@ TEST(Drive, AFallEndsTheRunAndIsReported) {
   world.insert(at + 8, "density=\"100\" wind=\"8 0 0\" ");
   scratch.write("gale.xml", world);
   const std::string walk = R"({"t": 0, "guide": "trunk", "axes": [1, 1, 0, 0, 0, 1]})";
-  const Outcome outcome = run({"drive", "--world", scratch.path("gale.xml"), "--input", "script:" + scratch.write("w.jsonl", walk), "--fast",
-                               "--seconds", "60", "--trace", scratch.path("t.csv"), "--report", scratch.path("r.json")});
+  const Outcome outcome =
+      run({"drive", "--world", scratch.path("gale.xml"), "--input", "script:" + scratch.write("w.jsonl", walk),
+           "--fast", "--seconds", "60", "--trace", scratch.path("t.csv"), "--report", scratch.path("r.json")});
   ASSERT_EQ(outcome.code, app::kFallen) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("fallen"));
   const nlohmann::json report = scratch.json("r.json");
@@ -211,8 +219,8 @@ TEST(Drive, CtrlCBringsTheRobotToRestAndWritesWhatWasAskedFor) {
     if (look == 100) std::raise(SIGINT);  // in the middle of a step
   });
   const Scratch scratch;
-  const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "60", "--trace",
-                               scratch.path("t.csv"), "--report", scratch.path("r.json")});
+  const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "60",
+                               "--trace", scratch.path("t.csv"), "--report", scratch.path("r.json")});
   EXPECT_EQ(outcome.code, app::kDone);
   const nlohmann::json report = scratch.json("r.json");
   EXPECT_LT(report["duration_s"].get<double>(), 3.0);
@@ -237,7 +245,8 @@ TEST(Plan, ShowsSegmentsAndRefusals) {
     }
     steps += segment["kind"] == "step" ? 1 : 0;
     double sum = 0.0;
-    for (const auto& phase : segment["phases"]) sum += phase["duration"].get<double>();
+    for (const auto& phase : segment["phases"])
+      sum += phase["duration"].get<double>();
     EXPECT_NEAR(sum, segment["T"].get<double>(), 1e-9);
     EXPECT_GE(segment["knots"].size(), 3u);
     EXPECT_GE(segment["margins"].size(), 6u);
@@ -262,8 +271,10 @@ TEST(Reproduce, TheRoomByScriptIsReachedAndDriveGivesTheSameTrace) {
     EXPECT_GT(std::filesystem::file_size(scratch.path(file)), 10000u) << file;
   }
   const nlohmann::json report = scratch.json("room/room_report.json");
-  ASSERT_EQ(run({"drive", "--world", "room", "--input", "script:" + scratch.path("room/room.jsonl"), "--fast", "--seconds",
-                 std::to_string(report["duration_s"].get<double>()), "--trace", scratch.path("again.csv")}).code, app::kDone);
+  ASSERT_EQ(run({"drive", "--world", "room", "--input", "script:" + scratch.path("room/room.jsonl"), "--fast",
+                 "--seconds", std::to_string(report["duration_s"].get<double>()), "--trace", scratch.path("again.csv")})
+                .code,
+            app::kDone);
   EXPECT_EQ(scratch.read("again.csv"), scratch.read("room/room.csv"));
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
+#include "tests/support/temp.hpp"
 
 namespace baton {
 namespace {
@@ -16,7 +17,7 @@ void expect_knots(const nlohmann::json& knots, const std::vector<double>& y) {
 }
 
 TEST(ReproduceFig8, ShowsDurationCorrection) {
-  const auto out = std::filesystem::path(testing::TempDir()) / "baton_fig8" / "new";
+  const auto out = std::filesystem::path(test::temp_folder()) / "baton_fig8" / "new";
   std::filesystem::remove_all(out);
   ASSERT_EQ(app::run({"reproduce", "fig8", "--out", out.string()}), app::kDone);
   const auto json = nlohmann::json::parse(std::ifstream(out / "fig8.json"));
@@ -36,7 +37,7 @@ TEST(ReproduceFig8, ShowsDurationCorrection) {
 }
 
 TEST(ReproduceFig8, AFolderThatCannotBeMadeIsBadInput) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "baton_fig8_file";
+  const auto file = std::filesystem::path(test::temp_folder()) / "baton_fig8_file";
   std::ofstream(file) << "not a folder";
   testing::internal::CaptureStderr();
   EXPECT_EQ(app::run({"reproduce", "fig8", "--out", (file / "below").string()}), app::kBadInput);

@@ -139,8 +139,7 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
       ASSERT_LT((correction.dcm_error.head<2>() - error).norm(), 1e-12);
 
       const double margin = robot_.profile().margin.zmp_feedback;
-      const ConvexPolygon support =
-          support_polygon(robot_, next.sole, next.contact, next.com, next.zmp_height);
+      const ConvexPolygon support = support_polygon(robot_, next.sole, next.contact, next.com, next.zmp_height);
       ASSERT_GE(support.margin(correction.zmp), margin - 1e-9);
       if (support.margin(next.zmp) >= margin) {
         ASSERT_GE((correction.zmp - next.zmp).dot(error), -1e-12);

@@ -118,8 +118,7 @@ BySide<Pose> standing_soles(Random& random) {
   BySide<Pose> soles;
   for (const Side side : kSides) {
     soles[side].p = Vec3(random(-0.2, 0.2), sign_of(side) * random(0.04, 0.2), random(-0.05, 0.05));
-    soles[side].R =
-        rotation_z(random(-0.4, 0.4)) * rotation_exp(Vec3(random(-0.05, 0.05), random(-0.05, 0.05), 0));
+    soles[side].R = rotation_z(random(-0.4, 0.4)) * rotation_exp(Vec3(random(-0.05, 0.05), random(-0.05, 0.05), 0));
   }
   return soles;
 }

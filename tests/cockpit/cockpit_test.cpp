@@ -1,4 +1,5 @@
 #include "baton/cockpit/cockpit.hpp"
+#include "tests/support/temp.hpp"
 
 #include <civetweb.h>
 #include <fmt/format.h>
@@ -73,8 +74,8 @@ class Browser {
  public:
   explicit Browser(int port) {
     std::array<char, 256> error{};
-    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error.data(), error.size(), "/ws",
-                                              nullptr, on_message, nullptr, this);
+    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error.data(), error.size(), "/ws", nullptr,
+                                              on_message, nullptr, this);
     EXPECT_NE(connection_, nullptr) << error.data();
   }
   ~Browser() { close(); }
@@ -115,9 +116,7 @@ class Browser {
   /// Returns when the server has taken in all that was said before.
   void settle() {
     say(R"({"type":"?"})");
-    const auto answer = [](const json& m) {
-      return m["type"] == "error" && m["text"] == "unknown type of message";
-    };
+    const auto answer = [](const json& m) { return m["type"] == "error" && m["text"] == "unknown type of message"; };
     EXPECT_FALSE(next(answer).is_null());
   }
 
@@ -176,9 +175,8 @@ class CockpitTest : public testing::Test {
 
   const RobotModel& robot_ = test::robot("mighty");
   const std::filesystem::path folder_ =
-      std::filesystem::path(testing::TempDir()) /
-      fmt::format("baton_{}_{}", testing::UnitTest::GetInstance()->current_test_info()->name(),
-                  fmt::ptr(this));
+      std::filesystem::path(test::temp_folder()) /
+      fmt::format("baton_{}_{}", testing::UnitTest::GetInstance()->current_test_info()->name(), fmt::ptr(this));
   const std::filesystem::path page_ = folder_ / "page";
   Cockpit cockpit_{Cockpit::Parameters{.port = 0, .page = page_}, robot_, "room", room_with_mighty()};
   int port_ = cockpit_.port();
@@ -277,8 +275,7 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
     EXPECT_TRUE(state["com"][1].is_null());
     EXPECT_EQ(state["goal"]["kind"], "step");
     EXPECT_EQ(state["goal"]["swing"], "right");
-    EXPECT_NEAR(state["goal"]["soles"][0][0][0].get<double>(),
-                0.5 + robot_.sole(Side::left).vertices()[0].x(), 1e-4);
+    EXPECT_NEAR(state["goal"]["soles"][0][0][0].get<double>(), 0.5 + robot_.sole(Side::left).vertices()[0].x(), 1e-4);
     EXPECT_EQ(state["refusal"]["reason"], "joint_limit");
     EXPECT_EQ(state["refusals"], 7);
     EXPECT_EQ(state["support"].size(), 4u);
@@ -388,12 +385,9 @@ TEST_F(CockpitTest, ComplainsAboutMalformedMessages) {
            std::string(4000, '['),
            std::string(R"({"type":7})"),
            std::string(R"({"type":"command"})"),
-           std::string(
-               R"({"type":"command","guide":"tail","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":true})"),
-           std::string(
-               R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0],"lift":[0,0],"deadman":true})"),
-           std::string(
-               R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,"1"],"lift":[0,0],"deadman":true})"),
+           std::string(R"({"type":"command","guide":"tail","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":true})"),
+           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0],"lift":[0,0],"deadman":true})"),
+           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,"1"],"lift":[0,0],"deadman":true})"),
            std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,0],"lift":0,"deadman":true})"),
            std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":1})"),
        }) {
@@ -423,10 +417,9 @@ TEST_F(CockpitTest, NamesThePortThatItCannotHave) {
     const Cockpit second({.port = port_}, robot_, "room", room_with_mighty());
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_EQ(error.what(),
-              fmt::format("page: port {} is in use by another program: choose another one, or 0 for "
-                          "any that is free",
-                          port_));
+    EXPECT_EQ(error.what(), fmt::format("page: port {} is in use by another program: choose another one, or 0 for "
+                                        "any that is free",
+                                        port_));
   }
   EXPECT_THROW(Cockpit({.port = 65536}, robot_, "room", room_with_mighty()), InputError);
   EXPECT_THROW(Cockpit({.port = -1}, robot_, "room", room_with_mighty()), InputError);

@@ -47,7 +47,8 @@ class GuideTest : public testing::TestWithParam<std::string> {
     std::uniform_real_distribution<double> unit(-1.2, 1.2);
     Command command;
     command.guide = kParts[random() % kParts.size()];
-    for (double& axis : command.axes) axis = random() % 3 == 0 ? 0.0 : unit(random);
+    for (double& axis : command.axes)
+      axis = random() % 3 == 0 ? 0.0 : unit(random);
     command.lift = {random() % 2 == 0 ? 0.0 : unit(random), random() % 2 == 0 ? 0.0 : unit(random)};
     return command;
   }
@@ -58,9 +59,12 @@ class GuideTest : public testing::TestWithParam<std::string> {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     Posture posture = home_;
     const Pose& left = posture.sole.left;
-    posture.sole.right = left * Pose{Vec3((2 * unit(random) - 1) * region.stride,
-                                          -(region.foot_lateral.lo + unit(random) * 0.5 * (region.foot_lateral.hi - region.foot_lateral.lo)), 0),
-                                     rotation_z((2 * unit(random) - 1) * 0.1)};
+    posture.sole.right =
+        left *
+        Pose{
+            Vec3((2 * unit(random) - 1) * region.stride,
+                 -(region.foot_lateral.lo + unit(random) * 0.5 * (region.foot_lateral.hi - region.foot_lateral.lo)), 0),
+            rotation_z((2 * unit(random) - 1) * 0.1)};
     const double height = region.com_height.lo + unit(random) * (region.com_height.hi - region.com_height.lo);
     posture.com = 0.5 * (posture.sole.left.p + posture.sole.right.p) + Vec3(0, 0, height);
     return posture;
@@ -107,11 +111,13 @@ TEST_P(GuideTest, EveryGoalIsConsistent) {
       if (goal.swing) {
         const Side stance = other(*goal.swing);
         ASSERT_EQ(goal.sole[stance].p, from.sole[stance].p) << "the stance foot keeps its place";
-        const Vec3 relative = rotation_z(-yaw_of(from.sole[stance].R)) * (goal.sole[*goal.swing].p - from.sole[stance].p);
+        const Vec3 relative =
+            rotation_z(-yaw_of(from.sole[stance].R)) * (goal.sole[*goal.swing].p - from.sole[stance].p);
         EXPECT_LE(std::abs(relative.x()), region.foot_x.hi + 1e-6);
         EXPECT_GE(sign_of(*goal.swing) * relative.y(), region.foot_lateral.lo - 1e-6);
         EXPECT_LE(sign_of(*goal.swing) * relative.y(), region.foot_lateral.hi + 1e-6);
-        EXPECT_GE(separation(sole_outline(robot_, Side::left, goal.sole.left), sole_outline(robot_, Side::right, goal.sole.right)),
+        EXPECT_GE(separation(sole_outline(robot_, Side::left, goal.sole.left),
+                             sole_outline(robot_, Side::right, goal.sole.right)),
                   region.sole_gap);
         // Above the stance foot while the other is up, above their middle when both stand.
         const Vec2 below = goal.contact[*goal.swing] ? Vec2(0.5 * (goal.sole.left.p + goal.sole.right.p).head<2>())
@@ -121,10 +127,11 @@ TEST_P(GuideTest, EveryGoalIsConsistent) {
         EXPECT_EQ(goal.sole.left.p, from.sole.left.p);
         EXPECT_EQ(goal.sole.right.p, from.sole.right.p);
         const ConvexPolygon support = support_polygon(robot_, goal.sole, goal.contact, goal.com, 0.0);
-        EXPECT_GE(support.margin(goal.com.head<2>()), std::min(robot_.profile().margin.stand_on,
-                  support.margin(from.com.head<2>())) - 1e-9);
+        EXPECT_GE(support.margin(goal.com.head<2>()),
+                  std::min(robot_.profile().margin.stand_on, support.margin(from.com.head<2>())) - 1e-9);
       }
-      const double height = goal.com.z() - Posture{{}, {}, {}, {}, {}, goal.sole, {}, {}, goal.contact}.support_height();
+      const double height =
+          goal.com.z() - Posture{{}, {}, {}, {}, {}, goal.sole, {}, {}, goal.contact}.support_height();
       EXPECT_GE(height, region.com_height.lo - 1e-9);
       EXPECT_LE(height, region.com_height.hi + 1e-9);
     }
@@ -269,7 +276,8 @@ TEST(GuideInTheRoom, FootholdsLieOnTheGroundThereAndNotOnEdges) {
   for (int trial = 0; trial < 2000; ++trial) {
     Posture from = home;
     const Vec3 shift(0.06 + 0.01 * unit(random), 0.05 * unit(random), 0);
-    for (const Side side : kSides) from.sole[side].p += shift;
+    for (const Side side : kSides)
+      from.sole[side].p += shift;
     from.com += shift;
     from.sole.left.p.x() += 0.045 * unit(random) - 0.03;
     Command command;
@@ -280,7 +288,8 @@ TEST(GuideInTheRoom, FootholdsLieOnTheGroundThereAndNotOnEdges) {
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
       ++refused;
       EXPECT_TRUE(refusal->reason == Reason::ground || refusal->reason == Reason::foot_region ||
-                  refusal->reason == Reason::sole_gap || refusal->reason == Reason::no_progress) << to_string(refusal->reason);
+                  refusal->reason == Reason::sole_gap || refusal->reason == Reason::no_progress)
+          << to_string(refusal->reason);
     }
     const auto* goals = std::get_if<std::vector<Goal>>(&result);
     if (goals == nullptr) continue;
@@ -308,7 +317,8 @@ TEST(GuideInTheRoom, TheTrunkWalksDownTheStepFromItsEdge) {
   const Guide guide(robot, room());
   Posture from = stand(robot, room().site("start"), robot.profile().stance.com_height);
   const Vec3 to_edge(0.0675, 0, 0);  // the soles end 3 mm before it
-  for (const Side side : kSides) from.sole[side].p += to_edge;
+  for (const Side side : kSides)
+    from.sole[side].p += to_edge;
   from.com += to_edge;
   Command forward;
   forward.axes[0] = 1.0;

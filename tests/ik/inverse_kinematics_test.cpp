@@ -20,10 +20,9 @@ bool identical(const VecX& a, const VecX& b) {
 }
 
 bool identical(const IkResult& a, const IkResult& b) {
-  return a.residual.sole_position == b.residual.sole_position &&
-         a.residual.sole_rotation == b.residual.sole_rotation && a.residual.com == b.residual.com &&
-         a.residual.trunk == b.residual.trunk && a.residual.hand == b.residual.hand &&
-         a.iterations == b.iterations && a.bound_joint == b.bound_joint &&
+  return a.residual.sole_position == b.residual.sole_position && a.residual.sole_rotation == b.residual.sole_rotation &&
+         a.residual.com == b.residual.com && a.residual.trunk == b.residual.trunk &&
+         a.residual.hand == b.residual.hand && a.iterations == b.iterations && a.bound_joint == b.bound_joint &&
          a.finite_targets == b.finite_targets;
 }
 
@@ -136,8 +135,7 @@ TEST_P(IkTest, ReachesWhatIsReachable) {
     ASSERT_TRUE(hands_arrived || trial % 2 == 0);
     arrived += hands_arrived;
     const double tolerance = hands_arrived ? 1e-6 : robot_.profile().ik.position;
-    ASSERT_LE(result.residual.sole_position, tolerance)
-        << "trial " << trial << ", joint " << result.bound_joint;
+    ASSERT_LE(result.residual.sole_position, tolerance) << "trial " << trial << ", joint " << result.bound_joint;
     ASSERT_LE(result.residual.sole_rotation, tolerance);
     ASSERT_LE(result.residual.com, tolerance);
     ASSERT_TRUE(!hands_arrived || result.residual.trunk <= 1e-4) << result.residual.trunk;

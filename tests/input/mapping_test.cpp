@@ -210,9 +210,7 @@ TEST_F(MappingTest, ArmedMeansAtRestOnceSinceItAppeared) {
     const bool at_rest = held();
     rested = present && (rested || at_rest);
     const Arming::State state = arming.update(present, at_rest);
-    EXPECT_EQ(state, !present ? Arming::State::absent
-                     : rested ? Arming::State::armed
-                              : Arming::State::waiting);
+    EXPECT_EQ(state, !present ? Arming::State::absent : rested ? Arming::State::armed : Arming::State::waiting);
     EXPECT_EQ(arming.armed(), rested);
   }
 }

@@ -1,4 +1,5 @@
 #include "baton/input/script.hpp"
+#include "tests/support/temp.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -67,14 +68,12 @@ TEST(Script, ReadsTheTickThatFallsOnALine) {
 }
 
 TEST(Script, OfEqualTimesTheLastCounts) {
-  Script script =
-      Script::parse("{\"t\": 1, \"guide\": \"left_foot\"}\n{\"t\": 1, \"guide\": \"left_hand\"}", "s");
+  Script script = Script::parse("{\"t\": 1, \"guide\": \"left_foot\"}\n{\"t\": 1, \"guide\": \"left_hand\"}", "s");
   EXPECT_EQ(script.read(1.0).guide, Part::left_hand);
 }
 
 TEST(Script, ClampsAndKeepsWhatIsNotANumber) {
-  Script script =
-      Script::parse("{\"t\": 0, \"axes\": [7, -1e300, null, 0, 0, 0], \"lift\": [-3, null]}", "s");
+  Script script = Script::parse("{\"t\": 0, \"axes\": [7, -1e300, null, 0, 0, 0], \"lift\": [-3, null]}", "s");
   const Command command = script.read(0.0);
   EXPECT_EQ(command.axes[0], 1.0);
   EXPECT_EQ(command.axes[1], -1.0);
@@ -86,9 +85,7 @@ TEST(Script, ClampsAndKeepsWhatIsNotANumber) {
 
 TEST(Script, KnowsEveryPart) {
   for (const Part part : kParts) {
-    EXPECT_EQ(
-        Script::parse(fmt::format("{{\"t\": 0, \"guide\": \"{}\"}}", to_string(part)), "s").read(0).guide,
-        part);
+    EXPECT_EQ(Script::parse(fmt::format("{{\"t\": 0, \"guide\": \"{}\"}}", to_string(part)), "s").read(0).guide, part);
   }
 }
 
@@ -101,8 +98,8 @@ class BadLine : public testing::TestWithParam<Bad> {};
 
 TEST_P(BadLine, IsNamedInOneClearLine) {
   const std::string message = complaint("{\"t\": 1}\n\n" + GetParam().line + "\n{\"t\": 9}\n");
-  EXPECT_THAT(message, AllOf(HasSubstr("script walk.jsonl: line 3: "), Not(HasSubstr("\n")),
-                             Not(HasSubstr("json.exception"))));
+  EXPECT_THAT(message,
+              AllOf(HasSubstr("script walk.jsonl: line 3: "), Not(HasSubstr("\n")), Not(HasSubstr("json.exception"))));
   for (const std::string& name : GetParam().named)
     EXPECT_THAT(message, HasSubstr(name));
   EXPECT_LT(message.size(), 300u);
@@ -111,10 +108,9 @@ TEST_P(BadLine, IsNamedInOneClearLine) {
 INSTANTIATE_TEST_SUITE_P(
     Script, BadLine,
     testing::Values(
-        Bad{"forward", {"not JSON"}}, Bad{"{\"t\": 1", {"not JSON"}},
-        Bad{"{\"t\": 1} {\"t\": 2}", {"not JSON"}}, Bad{"{\"t\": 1,}", {"not JSON"}},
-        Bad{"{\"t\": NaN}", {"not JSON"}}, Bad{"{\"t\": 1e999}", {"1e999"}}, Bad{"\xff\xfe", {"not JSON"}},
-        Bad{std::string("{\"t\": 1\0}", 9), {"not JSON"}},
+        Bad{"forward", {"not JSON"}}, Bad{"{\"t\": 1", {"not JSON"}}, Bad{"{\"t\": 1} {\"t\": 2}", {"not JSON"}},
+        Bad{"{\"t\": 1,}", {"not JSON"}}, Bad{"{\"t\": NaN}", {"not JSON"}}, Bad{"{\"t\": 1e999}", {"1e999"}},
+        Bad{"\xff\xfe", {"not JSON"}}, Bad{std::string("{\"t\": 1\0}", 9), {"not JSON"}},
         Bad{"{\"t\": \"" + std::string(5000, 'a') + "\x01", {"not JSON"}}, Bad{"[1, 2]", {"[1,2]", "object"}},
         Bad{"3", {"3", "object"}}, Bad{"null", {"null", "object"}}, Bad{"{}", {"t is missing"}},
         Bad{"{\"axes\": [0,0,0,0,0,0]}", {"t is missing"}}, Bad{"{\"t\": null}", {"t = null", "seconds"}},
@@ -122,8 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"{\"t\": true}", {"t = true"}}, Bad{"{\"t\": 0.5}", {"t = 0.5", "at least 1"}},
         Bad{"{\"t\": 1, \"t\": 2}", {"\"t\"", "twice"}},
         Bad{"{\"t\": 1, \"axis\": [0]}", {"unknown key \"axis\"", "axes"}},
-        Bad{"{\"t\": 1, \"T\": 2}", {"unknown key \"T\""}},
-        Bad{"{\"t\": 1, \"a\\nb\": 2}", {"unknown key \"a\\nb\""}},
+        Bad{"{\"t\": 1, \"T\": 2}", {"unknown key \"T\""}}, Bad{"{\"t\": 1, \"a\\nb\": 2}", {"unknown key \"a\\nb\""}},
         Bad{"{\"t\": 1, \"guide\": \"left hand\"}", {"guide = \"left hand\"", "left_hand"}},
         Bad{"{\"t\": 1, \"guide\": null}", {"guide = null"}}, Bad{"{\"t\": 1, \"guide\": 2}", {"guide = 2"}},
         Bad{"{\"t\": 1, \"guide\": [\"trunk\"]}", {"guide = [\"trunk\"]"}},
@@ -131,8 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"{\"t\": 1, \"axes\": [0, 0, 0, 0, 0, 0, 0]}", {"axes", "6 numbers"}},
         Bad{"{\"t\": 1, \"axes\": [0, 0, \"1\", 0, 0, 0]}", {"axes", "6 numbers"}},
         Bad{"{\"t\": 1, \"axes\": [0, 0, [1], 0, 0, 0]}", {"axes", "6 numbers"}},
-        Bad{"{\"t\": 1, \"axes\": null}", {"axes = null", "6 numbers"}},
-        Bad{"{\"t\": 1, \"axes\": 1}", {"axes = 1"}},
+        Bad{"{\"t\": 1, \"axes\": null}", {"axes = null", "6 numbers"}}, Bad{"{\"t\": 1, \"axes\": 1}", {"axes = 1"}},
         Bad{"{\"t\": 1, \"axes\": {\"x\": 1}}", {"axes = {\"x\":1}"}},
         Bad{"{\"t\": 1, \"lift\": [0]}", {"lift = [0]", "2 numbers"}},
         Bad{"{\"t\": 1, \"lift\": [0, false]}", {"lift = [0,false]", "2 numbers"}},
@@ -142,13 +136,13 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Script, NamesTheFileThatCannotBeRead) {
   EXPECT_THAT([] { static_cast<void>(Script::load("/nonexistent/walk.jsonl")); },
               testing::ThrowsMessage<InputError>("script /nonexistent/walk.jsonl: no such file"));
-  const std::string folder = testing::TempDir();
+  const std::string folder = test::temp_folder();
   EXPECT_THAT([&] { static_cast<void>(Script::load(folder)); },
               testing::ThrowsMessage<InputError>(HasSubstr("not a file that can be read")));
 }
 
 TEST(Script, LoadsAFile) {
-  const std::string file = testing::TempDir() + "baton_script_test.jsonl";
+  const std::string file = test::temp_folder() + "baton_script_test.jsonl";
   std::ofstream(file) << "{\"t\": 0, \"guide\": \"left_foot\"}\n{\"t\": 1.5}\n";
   EXPECT_EQ(Script::load(file).duration(), 1.5);
   std::ofstream(file) << "{\"t\": 0}\n{\"t\": \"x\"}\n";
@@ -172,17 +166,9 @@ TEST(Script, AnyTextIsTakenOrRefusedInOneLine) {
   const std::string good =
       "{\"t\": 0, \"guide\": \"trunk\", \"axes\": [1, 0, -0.5, 0, null, 0], \"lift\": [0.5, 0]}\n"
       "{\"t\": 1.25, \"guide\": \"left_foot\", \"lift\": [1e-3, null]}\n";
-  const std::vector<std::string> pieces{"0",       "5",
-                                        "-",       " ",
-                                        "\n",      "{",
-                                        "}",       "[",
-                                        "]",       "\"",
-                                        ",",       ":",
-                                        "null",    "1e400",
-                                        "true",    "t",
-                                        "\"t\":",  "guide",
-                                        "\\u0000", "\\ud800",
-                                        "\xc3",    std::string(1, '\0')};
+  const std::vector<std::string> pieces{
+      "0", "5",    "-",     " ",    "\n", "{",      "}",     "[",       "]",       "\"",   ",",
+      ":", "null", "1e400", "true", "t",  "\"t\":", "guide", "\\u0000", "\\ud800", "\xc3", std::string(1, '\0')};
   std::mt19937_64 random(3);
   int taken = 0;
   constexpr int kTrials = 20000;

@@ -24,8 +24,7 @@ class PoseTest : public testing::Test {
 
 TEST_F(PoseTest, LogUndoesExpFromTheSmallestAngleToHalfATurn) {
   for (int trial = 0; trial < 3000; ++trial) {
-    for (const double angle :
-         {real(0.0, kPi), std::pow(10.0, real(-14, 0)), kPi - std::pow(10.0, real(-14, 0)), 0.0}) {
+    for (const double angle : {real(0.0, kPi), std::pow(10.0, real(-14, 0)), kPi - std::pow(10.0, real(-14, 0)), 0.0}) {
       const Vec3 theta = angle * axis();
       const Mat3 R = rotation_exp(theta);
       ASSERT_LT((R * R.transpose() - Mat3::Identity()).norm(), 1e-12);

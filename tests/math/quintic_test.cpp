@@ -18,8 +18,7 @@ TEST(Quintic, MeetsItsEndsAndIsItsOwnDerivative) {
     const Jet b{value(random), value(random), value(random)};
     const double T = duration(random);
     const Quintic quintic(a, b, T);
-    for (const auto& [t, jet] :
-         {std::pair{0.0, a}, std::pair{T, b}, std::pair{-1.0, a}, std::pair{T + 1.0, b}}) {
+    for (const auto& [t, jet] : {std::pair{0.0, a}, std::pair{T, b}, std::pair{-1.0, a}, std::pair{T + 1.0, b}}) {
       const Jet at = quintic.at(t);
       ASSERT_NEAR(at.x, jet.x, 1e-9);
       ASSERT_NEAR(at.dx, jet.dx, 1e-8);

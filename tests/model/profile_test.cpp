@@ -1,4 +1,5 @@
 #include "baton/model/profile.hpp"
+#include "tests/support/temp.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 std::filesystem::path write(const std::string& name, const std::string& text) {
-  const auto file = std::filesystem::path(testing::TempDir()) / name;
+  const auto file = std::filesystem::path(test::temp_folder()) / name;
   std::ofstream(file) << text;
   return file;
 }
@@ -62,8 +63,7 @@ struct Leaf {
 };
 
 /// All values, with a way to reach each in another copy of the table.
-void collect(const toml::node& node, const std::string& path, const std::string& key,
-             std::vector<Leaf>& leaves) {
+void collect(const toml::node& node, const std::string& path, const std::string& key, std::vector<Leaf>& leaves) {
   if (const toml::table* table = node.as_table()) {
     for (const auto& [name, child] : *table) {
       const std::string next = path.empty() ? std::string(name.str()) : path + "." + std::string(name.str());
@@ -173,26 +173,22 @@ TEST(Profile, SaysWhichValueIsOfTheWrongKind) {
 TEST(Profile, SaysWhichNumberIsNone) {
   for (const Leaf& leaf : leaves()) {
     if (leaf.text) continue;
-    for (const double value :
-         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-          -std::numeric_limits<double>::infinity(), 1e9, -1e9, 1e300}) {
-      EXPECT_THAT(complaint_with(leaf.path, value),
-                  AllOf(HasSubstr("baton_profile.toml"), HasSubstr(leaf.key + " ")))
+    for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity(), 1e9, -1e9, 1e300}) {
+      EXPECT_THAT(complaint_with(leaf.path, value), AllOf(HasSubstr("baton_profile.toml"), HasSubstr(leaf.key + " ")))
           << leaf.path << " = " << value;
     }
     const bool negative_is_fine = leaf.path.starts_with("home_deg.") || leaf.key == "region.foot_x";
     if (negative_is_fine) continue;
-    EXPECT_THAT(complaint_with(leaf.path, -0.01),
-                AllOf(HasSubstr("baton_profile.toml"), HasSubstr(leaf.key + " ")))
+    EXPECT_THAT(complaint_with(leaf.path, -0.01), AllOf(HasSubstr("baton_profile.toml"), HasSubstr(leaf.key + " ")))
         << leaf.path;
   }
 }
 
 TEST(Profile, SaysWhichKeyItDoesNotKnow) {
   // A misspelt key would silently keep its old meaning, or none.
-  for (const std::string table :
-       {"", "parts", "stance", "reach", "region", "swing", "ground", "duration", "phases", "margin", "ik",
-        "tick", "stabiliser", "drive", "drive.gains[1]", "nowhere"}) {
+  for (const std::string table : {"", "parts", "stance", "reach", "region", "swing", "ground", "duration", "phases",
+                                  "margin", "ik", "tick", "stabiliser", "drive", "drive.gains[1]", "nowhere"}) {
     toml::table profile = mighty_profile();
     if (table == "nowhere") profile.insert("nowhere", toml::table{});
     const std::string key = table.empty() ? "comheight" : table + ".comheight";
@@ -225,8 +221,7 @@ TEST(Profile, NamesWhatTheModelHasNot) {
   }
   EXPECT_THAT(complaint_with("home_deg.left_tentacle", 3.0), HasSubstr("left_tentacle"));
   EXPECT_THAT(complaint_with("home_deg.left_elbow_flexion", 170.0), HasSubstr("left_elbow_flexion"));
-  EXPECT_THAT(complaint_with("drive.gains[0].joints[0]", std::string("left_tentacle")),
-              HasSubstr("left_hip_flexion"));
+  EXPECT_THAT(complaint_with("drive.gains[0].joints[0]", std::string("left_tentacle")), HasSubstr("left_hip_flexion"));
   EXPECT_THAT(complaint_with("parts.left_foot", std::string("imu")), HasSubstr("imu"));
 }
 
@@ -243,9 +238,8 @@ TEST(Profile, NamesAFileThatIsNotOne) {
   EXPECT_THAT(complaint(write("baton_broken.toml", "name = \"x\"\n[stance\n")),
               AllOf(HasSubstr("baton_broken.toml"), HasSubstr("line 2")));
   EXPECT_THAT(complaint(write("baton_twice.toml", "name = 1\nname = 2\n")), HasSubstr("line 2"));
-  EXPECT_THAT(complaint(write("baton_binary.toml", std::string("\0\xff\xfe\x80", 4))),
-              HasSubstr("baton_binary.toml"));
-  const auto folder = std::filesystem::path(testing::TempDir()) / "baton_folder.toml";
+  EXPECT_THAT(complaint(write("baton_binary.toml", std::string("\0\xff\xfe\x80", 4))), HasSubstr("baton_binary.toml"));
+  const auto folder = std::filesystem::path(test::temp_folder()) / "baton_folder.toml";
   std::filesystem::create_directories(folder);
   EXPECT_THAT(complaint(folder), HasSubstr("baton_folder.toml"));
   EXPECT_THAT(complaint_with("model", std::string("nowhere.xml")), HasSubstr("nowhere.xml"));
@@ -276,16 +270,15 @@ TEST(RobotModelInput, NamesWhatAModelLacks) {
   EXPECT_THAT(complaint_of_model({{"<freejoint name=\"root\"/>", ""}}), HasSubstr("free joint"));
   EXPECT_THAT(complaint_of_model({{" range=\"0 1.7453293\"", ""}}),
               AllOf(HasSubstr("left_knee_flexion"), HasSubstr("range")));
-  EXPECT_THAT(complaint_of_model(
-                  {{"name=\"left_knee_flexion\" class", "name=\"left_knee_flexion\" type=\"slide\" class"}}),
-              AllOf(HasSubstr("left_knee_flexion"), HasSubstr("hinge")));
+  EXPECT_THAT(
+      complaint_of_model({{"name=\"left_knee_flexion\" class", "name=\"left_knee_flexion\" type=\"slide\" class"}}),
+      AllOf(HasSubstr("left_knee_flexion"), HasSubstr("hinge")));
   EXPECT_THAT(complaint_of_model({{"damping=\"0.119\"", "damping=\"0\""}}),
               AllOf(HasSubstr("left_elbow_rotation"), HasSubstr("damping")));
-  EXPECT_THAT(
-      complaint_of_model(
-          {{" actuatorfrcrange=\"-1.31 1.31\"", ""},
-           {"<motor name=\"left_elbow_rotation\" joint=\"left_elbow_rotation\" class=\"re_max17\"/>", ""}}),
-      AllOf(HasSubstr("left_elbow_rotation"), HasSubstr("torque")));
+  EXPECT_THAT(complaint_of_model(
+                  {{" actuatorfrcrange=\"-1.31 1.31\"", ""},
+                   {"<motor name=\"left_elbow_rotation\" joint=\"left_elbow_rotation\" class=\"re_max17\"/>", ""}}),
+              AllOf(HasSubstr("left_elbow_rotation"), HasSubstr("torque")));
   EXPECT_THAT(complaint_of_model({{"name=\"left_sole_col\" class=\"sole\"",
                                    "name=\"left_sole_col\" class=\"sole\" contype=\"0\" conaffinity=\"0\""}}),
               AllOf(HasSubstr("left_ankle_abduction"), HasSubstr("stand")));

@@ -79,8 +79,9 @@ TEST(Mighty, StandsAsInTheFacts) {
   struct Row {
     double com, body, hip, knee, ankle;
   };
-  for (const Row& row : {Row{0.28, .3485, 15.4, 41.0, 25.6}, Row{0.27, .3353, 22.0, 55.2, 33.2}, Row{0.26, .3220, 27.2, 66.8, 39.6},
-                         Row{0.25, .3088, 31.6, 76.9, 45.2}, Row{0.24, .2956, 35.5, 86.0, 50.5}}) {
+  for (const Row& row :
+       {Row{0.28, .3485, 15.4, 41.0, 25.6}, Row{0.27, .3353, 22.0, 55.2, 33.2}, Row{0.26, .3220, 27.2, 66.8, 39.6},
+        Row{0.25, .3088, 31.6, 76.9, 45.2}, Row{0.24, .2956, 35.5, 86.0, 50.5}}) {
     const Posture posture = stand(robot, Pose{}, row.com);
     EXPECT_NEAR(posture.q[2], row.body, 0.001);
     const auto degrees = [&](const std::string& name) {

@@ -1,4 +1,5 @@
 #include "baton/model/world.hpp"
+#include "tests/support/temp.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::filesystem::path file_of(const std::string& name, const std::string& body) {
-  const auto file = std::filesystem::path(testing::TempDir()) / ("baton_world_" + name + ".xml");
+  const auto file = std::filesystem::path(test::temp_folder()) / ("baton_world_" + name + ".xml");
   std::ofstream(file) << "<mujoco model=\"" << name << "\"><compiler angle=\"radian\"/><worldbody>\n"
                       << body << "</worldbody></mujoco>\n";
   return file;
@@ -38,8 +39,8 @@ struct Block {
     std::ostringstream text;
     text.precision(17);
     text << "<geom name=\"ground_" << number << "\" type=\"" << (plane ? "plane" : "box") << "\" pos=\""
-         << centre.transpose() << "\" quat=\"" << q.w() << " " << q.x() << " " << q.y() << " " << q.z()
-         << "\" size=\"" << half.x() << " " << half.y() << " " << (plane ? 0.1 : half.z()) << "\"/>\n";
+         << centre.transpose() << "\" quat=\"" << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\" size=\""
+         << half.x() << " " << half.y() << " " << (plane ? 0.1 : half.z()) << "\"/>\n";
     return text.str();
   }
 
@@ -191,9 +192,7 @@ TEST(World, RoomHasStageTreadAndFloor) {
     // By the drawing at the top of worlds/room.xml.
     double height = 0.0;
     double edge = kInfinity;
-    const auto inside = [&](double x0, double x1) {
-      return at.x() >= x0 && at.x() <= x1 && std::abs(at.y()) <= 0.30;
-    };
+    const auto inside = [&](double x0, double x1) { return at.x() >= x0 && at.x() <= x1 && std::abs(at.y()) <= 0.30; };
     const auto rim = [&](double x0, double x1) {
       return std::min({at.x() - x0, x1 - at.x(), 0.30 - std::abs(at.y())});
     };
@@ -257,8 +256,7 @@ TEST(World, AgreesWithARayFromAbove) {
       const Vec3 from(at.x(), at.y(), 2.0);
       const Vec3 down(0, 0, -1);
       int geom = -1;
-      const double depth =
-          mj_ray(&world.mj(), data.get(), from.data(), down.data(), nullptr, 1, -1, &geom, nullptr);
+      const double depth = mj_ray(&world.mj(), data.get(), from.data(), down.data(), nullptr, 1, -1, &geom, nullptr);
       const std::optional<GroundPoint> found = world.ground(at);
       if (geom < 0) {
         ASSERT_FALSE(found);
@@ -376,9 +374,9 @@ TEST(World, TakesAFootholdIfAndOnlyIfItIsFlatUnderTheWholeSole) {
         continue;
       }
       const Foothold foothold = world.foothold(sole, flat, kEdge);
-      ASSERT_EQ(foothold.flat, surely)
-          << "trial " << trial << ", sole at " << sole.centre().transpose() << ": deviation "
-          << foothold.deviation << ", sampled " << worst(kEdge - kDoubt) << " … " << worst(kEdge + kDoubt);
+      ASSERT_EQ(foothold.flat, surely) << "trial " << trial << ", sole at " << sole.centre().transpose()
+                                       << ": deviation " << foothold.deviation << ", sampled " << worst(kEdge - kDoubt)
+                                       << " … " << worst(kEdge + kDoubt);
       ++seen[surely];
       if (!surely) continue;
       ASSERT_NEAR(foothold.height, centre->second, 1e-9);
@@ -443,8 +441,7 @@ std::string complaint(const Make& make) {
 }
 
 TEST(World, NamesWhatIsWrongWithAFile) {
-  EXPECT_THAT(complaint([] { return World::load("nowhere"); }),
-              AllOf(HasSubstr("nowhere"), HasSubstr("worlds")));
+  EXPECT_THAT(complaint([] { return World::load("nowhere"); }), AllOf(HasSubstr("nowhere"), HasSubstr("worlds")));
   EXPECT_THAT(complaint([] { return World::load("/no/such/place.xml"); }), HasSubstr("/no/such/place.xml"));
   const auto expect = [](const std::string& name, const std::string& body, const std::string& thing) {
     const auto file = file_of(name, body);
@@ -454,10 +451,8 @@ TEST(World, NamesWhatIsWrongWithAFile) {
   expect("empty", kStart, "ground");
   expect("no_start", floor, "start");
   expect("ball", kStart + floor + "<geom name=\"ground_ball\" type=\"sphere\" size=\"0.1\"/>", "ground_ball");
-  expect("wall", kStart + R"(<geom name="ground_wall" type="plane" size="1 1 0.1" zaxis="1 0 0"/>)",
-         "ground_wall");
-  expect("ceiling", kStart + R"(<geom name="ground_lid" type="plane" size="1 1 0.1" zaxis="0 0 -1"/>)",
-         "ground_lid");
+  expect("wall", kStart + R"(<geom name="ground_wall" type="plane" size="1 1 0.1" zaxis="1 0 0"/>)", "ground_wall");
+  expect("ceiling", kStart + R"(<geom name="ground_lid" type="plane" size="1 1 0.1" zaxis="0 0 -1"/>)", "ground_lid");
   expect("broken", kStart + "<geom name=\"ground\" type=\"plane\"", "");
   expect("unknown", kStart + floor + "<geom name=\"x\" type=\"potato\" size=\"1\"/>", "potato");
   expect("negative", kStart + floor + "<geom name=\"x\" type=\"box\" size=\"-1 1 1\"/>", "");
@@ -565,7 +560,7 @@ TEST_P(ComposeTest, SavedTextIsTheVeryModel) {
     const std::string text = world.compose(robot_, 0.001);
     EXPECT_EQ(text, world.compose(robot_, 0.001));
     const ModelPtr model = compile_text(text, name);
-    const auto file = std::filesystem::path(testing::TempDir()) / "baton_saved.xml";
+    const auto file = std::filesystem::path(test::temp_folder()) / "baton_saved.xml";
     std::ofstream(file) << text;
     const SpecPtr spec = parse_model(file);
     const ModelPtr again = compile_model(*spec, name);
@@ -590,9 +585,8 @@ TEST_P(ComposeTest, SavedTextIsTheVeryModel) {
 
 TEST_P(ComposeTest, TwoThingsOfOneNameAreBadInput) {
   const std::string twin = name_of(robot_.mj(), mjOBJ_SITE, 0);
-  const World world(file_of(
-      "twin",
-      kStart + "<geom name=\"ground\" type=\"plane\" size=\"1 1 0.1\"/><site name=\"" + twin + "\"/>"));
+  const World world(
+      file_of("twin", kStart + "<geom name=\"ground\" type=\"plane\" size=\"1 1 0.1\"/><site name=\"" + twin + "\"/>"));
   EXPECT_THAT(complaint([&] { return world.compose(robot_, 0.001); }), HasSubstr(twin));
 }
 

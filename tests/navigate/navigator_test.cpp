@@ -87,9 +87,11 @@ TEST_P(NavigatorTest, AHeldStickGivesOneSegmentAfterAnotherWithoutAPause) {
 
 TEST_P(NavigatorTest, ASwitchOfTheGuidedPartTakesEffectAtTheNextInstantWithoutAPause) {
   Trip run(robot_);
-  while (run.navigator().committed() < 2) run.step(push(Part::trunk, 0));
+  while (run.navigator().committed() < 2)
+    run.step(push(Part::trunk, 0));
   const long before = run.navigator().committed();
-  for (int k = 0; k < 20; ++k) run.step(push(Part::trunk, 0));
+  for (int k = 0; k < 20; ++k)
+    run.step(push(Part::trunk, 0));
   ASSERT_EQ(run.navigator().committed(), before) << "in the middle of a segment";
   int held = 0;
   while (run.navigator().committed() == before) {
@@ -121,14 +123,16 @@ TEST_P(NavigatorTest, AnAnswerIsTakenOverAtItsTickOrDropped) {
   run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
   EXPECT_EQ(run.navigator().committed(), 0) << "too late is dropped";
   run.step(push(Part::trunk, 0));
-  for (int k = 0; k < 2 * robot_.profile().tick.lookahead; ++k) run.step(push(Part::trunk, 0));
+  for (int k = 0; k < 2 * robot_.profile().tick.lookahead; ++k)
+    run.step(push(Part::trunk, 0));
   EXPECT_EQ(run.navigator().committed(), 1);
 }
 
 TEST_P(NavigatorTest, ARefusalIsGivenOnceAndGoesWithTheCommand) {
   Trip run(robot_);
   const Command impossible = push(Part::left_foot, 1, -1.0);  // onto the other foot
-  for (int k = 0; k < 400; ++k) run.step(impossible);
+  for (int k = 0; k < 400; ++k)
+    run.step(impossible);
   EXPECT_EQ(run.requests(), 1);
   ASSERT_TRUE(run.navigator().refusal().has_value());
   EXPECT_EQ(run.navigator().refusal()->reason, Reason::foot_region);
@@ -136,7 +140,8 @@ TEST_P(NavigatorTest, ARefusalIsGivenOnceAndGoesWithTheCommand) {
   EXPECT_LT(run.navigator().refusal()->value, run.navigator().refusal()->limit);
   run.step({});
   EXPECT_FALSE(run.navigator().refusal().has_value());
-  for (int k = 0; k < 100; ++k) run.step(push(Part::trunk, 0));
+  for (int k = 0; k < 100; ++k)
+    run.step(push(Part::trunk, 0));
   EXPECT_EQ(run.navigator().committed(), 1) << "the next command is served";
 }
 
@@ -149,7 +154,8 @@ TEST_P(NavigatorTest, TheSameRunTwiceIsTheSameBitByBit) {
     for (int k = 0; k < 2000; ++k) {
       if (k % 150 == 0) {
         command.guide = kParts[random() % kParts.size()];
-        for (double& axis : command.axes) axis = std::uniform_real_distribution<double>(-1, 1)(random);
+        for (double& axis : command.axes)
+          axis = std::uniform_real_distribution<double>(-1, 1)(random);
         command.lift.left = (random() % 3) * 0.5;
       }
       const JointTarget& target = run.step(command);
@@ -173,7 +179,8 @@ TEST_P(NavigatorTest, WhateverTheStickDoesJointsKeepTheirLimitsAndEveryMotionEnd
     for (int k = 0; k < 3000; ++k) {
       if (random() % 60 == 0) {
         command.guide = kParts[random() % kParts.size()];
-        for (double& axis : command.axes) axis = random() % 4 == 0 ? std::nan("") : unit(random);
+        for (double& axis : command.axes)
+          axis = random() % 4 == 0 ? std::nan("") : unit(random);
         command.lift = {unit(random), unit(random)};
       }
       const JointTarget& target = run.step(command);
@@ -198,8 +205,10 @@ TEST_P(NavigatorTest, WhateverTheStickDoesJointsKeepTheirLimitsAndEveryMotionEnd
 
 TEST_P(NavigatorTest, AfterAFallNothingPlannedIsExecuted) {
   Trip run(robot_);
-  while (run.navigator().committed() < 1) run.step(push(Part::trunk, 0));
-  for (int k = 0; k < 20; ++k) run.step(push(Part::trunk, 0));
+  while (run.navigator().committed() < 1)
+    run.step(push(Part::trunk, 0));
+  for (int k = 0; k < 20; ++k)
+    run.step(push(Part::trunk, 0));
   run.navigator().fall();
   for (int k = 0; k < 300; ++k) {
     const Measurement measurement = run.body().read();

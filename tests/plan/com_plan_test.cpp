@@ -86,8 +86,8 @@ TEST(ComPlan, MeetsItsBoundaryConditionsAndTheEquationOfMotion) {
     const double h = 1e-4;
     for (int k = 0; k < 8; ++k) {
       const double t = random.real(2 * h, T - 2 * h);
-      const bool at_knot = std::any_of(path.times().begin(), path.times().end(),
-                                       [&](double at) { return std::abs(at - t) < 2 * h; });
+      const bool at_knot =
+          std::any_of(path.times().begin(), path.times().end(), [&](double at) { return std::abs(at - t) < 2 * h; });
       if (at_knot) continue;
       const ComState x = path.at(t);
       const ComState before = path.at(t - h);
@@ -115,10 +115,8 @@ TEST(ComPlan, KnotsAreTheNearestToTheirWishesThatReachTheGoal) {
     const std::size_t n = path.knots().size();
     // The two boundary rows by superposition: what a unit change of each knot does to the end.
     const auto ends = [&](const std::vector<Vec3>& knots) -> Eigen::Vector2d {
-      const ComState end =
-          ComPath(problem.omega, path.times(), knots, Vec3::Zero(), Vec3::Zero()).at(path.duration());
-      return Eigen::Vector2d(end.p.x(), end.dp.x() / problem.omega) *
-             std::exp(-problem.omega * path.duration());
+      const ComState end = ComPath(problem.omega, path.times(), knots, Vec3::Zero(), Vec3::Zero()).at(path.duration());
+      return Eigen::Vector2d(end.p.x(), end.dp.x() / problem.omega) * std::exp(-problem.omega * path.duration());
     };
     MatX rows(2, static_cast<Eigen::Index>(n));
     for (std::size_t k = 0; k < n; ++k) {
@@ -146,9 +144,7 @@ TEST(ComPlan, AHeavierWishIsHeldBetter) {
     ComProblem problem = random_problem(random);
     if (problem.knots.size() < 3) continue;
     const auto k = static_cast<std::size_t>(random.integer(0, static_cast<int>(problem.knots.size()) - 1));
-    const auto miss = [&] {
-      return (com_path(problem, 120, kPeriod).knots()[k] - problem.knots[k].wish).norm();
-    };
+    const auto miss = [&] { return (com_path(problem, 120, kPeriod).knots()[k] - problem.knots[k].wish).norm(); };
     const double before = miss();
     problem.knots[k].weight *= 10.0;
     ASSERT_LE(miss(), before + 1e-12);
@@ -218,8 +214,7 @@ ComProblem step_problem(double left, double right, double landing, double height
   problem.goal = {0, 0.5 * (left + landing), height};
   problem.phases = {{0.20, soles(left, right)}, {0.36, soles(left, left)}, {0.44, soles(left, landing)}};
   const Vec3 stance(0, left, height);
-  problem.knots = {
-      {0.0, problem.p0, 1.0}, {0.20, stance, 1.0}, {0.56, stance, 1.0}, {1.0, problem.goal, 1.0}};
+  problem.knots = {{0.0, problem.p0, 1.0}, {0.20, stance, 1.0}, {0.56, stance, 1.0}, {1.0, problem.goal, 1.0}};
   return problem;
 }
 

@@ -78,14 +78,14 @@ class Run:
         return check_trace.check(self.trace, self.model, self.profile, self.on, self.report)
 
 
-def drive(folder, script, *, world, on="ideal", profile=MIGHTY, seconds=SECONDS):
-    """A run of the program; script: lines of JSON."""
+def drive(folder, script, *, world, on="ideal", profile=MIGHTY, seconds=SECONDS, ends=0):
+    """A run of the program; script: lines of JSON; ends: the exit status wanted."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "script.jsonl").write_text("".join(line + "\n" for line in script))
     outputs = ["--trace", folder / "trace.csv", "--save-model", folder / "model.xml", "--report", folder / "report.json"]
     command = [BATON, "drive", "--robot", profile, "--world", world, "--on", on, "--input", f"script:{folder / 'script.jsonl'}"]
     run = subprocess.run([*command, "--seconds", str(seconds), "--headless", "--fast", *outputs], capture_output=True, text=True, timeout=120)
-    assert run.returncode == 0, f"exit {run.returncode}: {run.stderr or run.stdout}"
+    assert run.returncode == ends, f"exit {run.returncode}: {run.stderr or run.stdout}"
     return Run(folder, pathlib.Path(profile), on, run.stdout)
 
 
@@ -178,16 +178,21 @@ ZMP = (("zmp_x", "zmp_plan_x"), ("zmp_y", "zmp_plan_y"))
 COM = (("com_x", "com_plan_x"), ("com_y", "com_plan_y"), ("com_z", "com_plan_z"))
 
 
-def test_measured_columns_are_measured(driven, tmp_path):
+def soft_floor(folder, time_constant):
+    """The flat world with a floor that gives way, which no planner knows of; hard contacts have 0.005 s."""
+    text = (ROOT / "worlds" / "flat.xml").read_text()
+    floor = 'name="ground_floor" type="plane"'
+    assert floor in text
+    (folder / "soft.xml").write_text(text.replace(floor, f'{floor} priority="2" condim="4" friction="0.8 0.01 0.0001" solref="{time_constant} 1"'))
+    return folder / "soft.xml"
+
+
+def test_measured_columns_are_measured(tmp_path):
     """In physics they differ from what was planned, and differ more on a floor that gives way."""
     sample = PHYSICS
     script = random_script.lines(sample.seed, SECONDS, sample.style)
     hard = drive(tmp_path / "hard", script, world="flat", on="sim", seconds=10)
-    text = (ROOT / "worlds" / "flat.xml").read_text()
-    floor = 'name="ground_floor" type="plane"'
-    assert floor in text
-    (tmp_path / "soft.xml").write_text(text.replace(floor, floor + ' priority="1" friction="1" solref="0.03 1"'))
-    soft = drive(tmp_path / "soft", script, world=tmp_path / "soft.xml", on="sim", seconds=10)
+    soft = drive(tmp_path / "soft", script, world=soft_floor(tmp_path, 0.03), on="sim", seconds=10)
     assert 1e-3 < deviation(hard, *ZMP)
     assert 1e-5 < deviation(hard, *COM) < 5e-3
     assert deviation(soft, *COM) > 2 * deviation(hard, *COM)
@@ -197,6 +202,17 @@ def test_measured_columns_are_measured(driven, tmp_path):
     touch = np.stack([trace.number["touch_left"], trace.number["touch_right"]])
     contact = np.stack([trace.number["contact_left"], trace.number["contact_right"]])
     assert (touch != contact).any()
+
+
+def test_a_fall_ends_the_run_and_is_written_down(tmp_path):
+    """On a floor like a mattress the robot falls, whatever it plans."""
+    script = ['{"t": 0, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}']
+    run = drive(tmp_path, script, world=soft_floor(tmp_path, 0.3), on="sim", ends=3)
+    assert "fallen" in run.said
+    assert run.report["falls"] == 1 and run.report["duration_s"] < SECONDS
+    rows = run.trace.read_text().splitlines()
+    assert [row.split(",")[3] == "fallen" for row in rows[-2:]] == [False, True]
+    assert "fall" in [violation["kind"] for violation in run.summary["violations"]]
 
 
 # ---------------------------------------------------------------- the checks themselves

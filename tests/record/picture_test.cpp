@@ -1,4 +1,5 @@
 #include "baton/record/picture.hpp"
+#include "tests/support/temp.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ class PictureTest : public testing::Test {
     mj_forward(model_.get(), data_.get());
   }
   std::filesystem::path file(const std::string& name) const {
-    return std::filesystem::path(testing::TempDir()) / name;
+    return std::filesystem::path(test::temp_folder()) / name;
   }
 
   ModelPtr model_;

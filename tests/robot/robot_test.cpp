@@ -144,8 +144,7 @@ TEST_P(RobotTest, MovesTheJointThatIsMeant) {
       }
       const VecX moved = body->read().q - home_.q.tail(n_);
       for (int i = 0; i < n_; ++i) {
-        EXPECT_NEAR(moved[i], i == j ? by : 0.0, ideal() ? 1e-12 : 0.03)
-            << "joint " << i << " when " << j << " moves";
+        EXPECT_NEAR(moved[i], i == j ? by : 0.0, ideal() ? 1e-12 : 0.03) << "joint " << i << " when " << j << " moves";
       }
     }
   }

@@ -1,4 +1,5 @@
 #include "baton/robot/simulated_robot.hpp"
+#include "tests/support/temp.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,9 +62,8 @@ class SimulatedRobotTest : public testing::TestWithParam<std::string> {
   }
 
   [[nodiscard]] Vec2 zmp(const Truth& truth) const {
-    return Wrench{truth.sole.left.force + truth.sole.right.force,
-                  truth.sole.left.moment + truth.sole.right.moment}
-        .zmp(0.0);
+    return Wrench{truth.sole.left.force + truth.sole.right.force, truth.sole.left.moment + truth.sole.right.moment}.zmp(
+        0.0);
   }
 
   const RobotModel& robot_ = test::robot(GetParam());
@@ -74,8 +74,7 @@ class SimulatedRobotTest : public testing::TestWithParam<std::string> {
   Kinematics kinematics_{robot_};
 };
 
-INSTANTIATE_TEST_SUITE_P(Robots, SimulatedRobotTest, testing::ValuesIn(test::robot_names()),
-                         test::name_of_param);
+INSTANTIATE_TEST_SUITE_P(Robots, SimulatedRobotTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
 TEST_P(SimulatedRobotTest, IsHeldByNothingButTheGround) {
   app::Session session(robot_, world_, app::Session::On::sim);
@@ -286,8 +285,7 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
       result.com.push_back(kinematics_.com());
       result.zmp.push_back(zmp(record.truth));
       const Vec2 com = (anchor * planned.com).head<2>();
-      const Vec2 planned_zmp =
-          (anchor * Vec3(planned.zmp.x(), planned.zmp.y(), planned.zmp_height)).head<2>();
+      const Vec2 planned_zmp = (anchor * Vec3(planned.zmp.x(), planned.zmp.y(), planned.zmp_height)).head<2>();
       result.com_error = std::max(result.com_error, (result.com.back().head<2>() - com).norm());
       result.zmp_error = std::max(result.zmp_error, (result.zmp.back() - planned_zmp).norm());
     };
@@ -355,13 +353,12 @@ TEST(SimulatedRobot, NamesAJointThatHasNoMotor) {
   std::stringstream text;
   text << std::ifstream(folder / "mighty.xml").rdbuf();
   std::string model = text.str();
-  const std::string motor =
-      "<motor name=\"left_elbow_rotation\" joint=\"left_elbow_rotation\" class=\"re_max17\"/>";
+  const std::string motor = "<motor name=\"left_elbow_rotation\" joint=\"left_elbow_rotation\" class=\"re_max17\"/>";
   const std::size_t at = model.find(motor);
   ASSERT_NE(at, std::string::npos);
   model.erase(at, motor.size());
   Profile profile = Profile::load(folder / "profile.toml");
-  profile.model = std::filesystem::path(testing::TempDir()) / "baton_without_motor.xml";
+  profile.model = std::filesystem::path(test::temp_folder()) / "baton_without_motor.xml";
   std::ofstream(profile.model) << model;
   const RobotModel robot(profile);
   const World world = World::load("flat");

@@ -11,11 +11,15 @@
 
 namespace baton::test {
 
-inline std::vector<std::string> robot_names() { return {"mighty", "scaled"}; }
+inline std::vector<std::string> robot_names() {
+  return {"mighty", "scaled"};
+}
 
 /// Loaded once a process.
 const RobotModel& robot(const std::string& name);
 
-inline std::string name_of_param(const testing::TestParamInfo<std::string>& info) { return info.param; }
+inline std::string name_of_param(const testing::TestParamInfo<std::string>& info) {
+  return info.param;
+}
 
 }  // namespace baton::test

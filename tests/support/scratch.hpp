@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/app.hpp"
+#include "tests/support/temp.hpp"
 
 namespace baton::test {
 
@@ -19,8 +20,9 @@ class Scratch {
   Scratch() {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     std::string name = std::string(info->test_suite_name()) + "_" + info->name();
-    for (char& c : name) c = c == '/' ? '_' : c;
-    folder_ = std::filesystem::temp_directory_path() / ("baton_" + name + "_" + std::to_string(getpid()));
+    for (char& c : name)
+      c = c == '/' ? '_' : c;
+    folder_ = std::filesystem::path(temp_folder()) / name;
     std::filesystem::create_directories(folder_);
   }
   ~Scratch() { std::filesystem::remove_all(folder_); }
@@ -50,7 +52,8 @@ class Scratch {
     for (std::string line; std::getline(in, line);) {
       std::vector<std::string> row;
       std::istringstream cells(line);
-      for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+      for (std::string cell; std::getline(cells, cell, ',');)
+        row.push_back(cell);
       rows.push_back(std::move(row));
     }
     return rows;

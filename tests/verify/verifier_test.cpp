@@ -1,4 +1,5 @@
 #include "baton/verify/verifier.hpp"
+#include "tests/support/temp.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,8 +41,7 @@ class VerifierTest : public testing::TestWithParam<std::string> {
   [[nodiscard]] Certificate certificate_of(Motion motion, const Pose& anchor = {}) {
     return certificate_of(std::move(motion), verifier_, anchor);
   }
-  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier,
-                                                  const Pose& anchor = {}) {
+  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Pose& anchor = {}) {
     const auto verdict = verifier.verify(motion, anchor);
     if (const auto* certificate = std::get_if<Certificate>(&verdict)) return *certificate;
     const Refusal& refusal = std::get<Refusal>(verdict);
@@ -51,9 +51,7 @@ class VerifierTest : public testing::TestWithParam<std::string> {
 
   /// An index of the joint in q̇; it moves an arm.
   [[nodiscard]] int arm_dof() const { return 6 + robot_.arm(Side::left).back(); }
-  [[nodiscard]] const Joint& arm_joint() const {
-    return robot_.joints()[static_cast<std::size_t>(arm_dof() - 6)];
-  }
+  [[nodiscard]] const Joint& arm_joint() const { return robot_.joints()[static_cast<std::size_t>(arm_dof() - 6)]; }
 
   const RobotModel& robot_ = test::robot(GetParam());
   const Profile::Margin& margin_ = robot_.profile().margin;
@@ -257,12 +255,12 @@ TEST_P(VerifierTest, RefusesAnArmInTheTrunk) {
 
 /// A floor with one box that is in the way.
 World floor_with_box(const std::string& name, const Vec3& centre, double half) {
-  const auto file = std::filesystem::path(testing::TempDir()) / ("baton_box_" + name + ".xml");
+  const auto file = std::filesystem::path(test::temp_folder()) / ("baton_box_" + name + ".xml");
   std::ofstream(file) << "<mujoco model=\"box\"><worldbody>\n"
                       << "<geom name=\"ground\" type=\"plane\" size=\"0 0 0.05\"/>\n"
                       << "<site name=\"start\" pos=\"0 0 0\"/>\n"
-                      << "<geom name=\"crate\" type=\"box\" pos=\"" << centre.transpose() << "\" size=\""
-                      << half << " " << half << " " << half << "\"/></worldbody></mujoco>\n";
+                      << "<geom name=\"crate\" type=\"box\" pos=\"" << centre.transpose() << "\" size=\"" << half << " "
+                      << half << " " << half << "\"/></worldbody></mujoco>\n";
   return World(file);
 }
 
@@ -367,8 +365,7 @@ TEST_P(VerifierTest, RefusesWhatIsNotANumber) {
         break;
     }
     const Refusal refusal = refusal_of(motion);
-    EXPECT_EQ(refusal.reason, Reason::not_finite)
-        << "kind " << trial % 7 << ": " << to_string(refusal.reason);
+    EXPECT_EQ(refusal.reason, Reason::not_finite) << "kind " << trial % 7 << ": " << to_string(refusal.reason);
   }
 }
 
@@ -509,8 +506,7 @@ TEST_P(VerifierTest, TheTorqueIsThatOfInverseDynamicsInTheWholeModel) {
       for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
         const auto dof = static_cast<Eigen::Index>(6 + j);
         const Motor& motor = robot_.joints()[j].motor;
-        worst =
-            std::max(worst, (std::abs(tau[dof]) + motor.damping * std::abs(sample.dq[dof])) / motor.stall);
+        worst = std::max(worst, (std::abs(tau[dof]) + motor.damping * std::abs(sample.dq[dof])) / motor.stall);
       }
     }
     for (const Margin& margin : motion.certificate.margins) {
