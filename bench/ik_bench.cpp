@@ -34,7 +34,9 @@ std::vector<Row> bench_ik() {
   Row reach{"ik: a solve on a reach", {}, ""};
   for (Row* row : {&walk, &reach}) {
     double worst = 0.0;
-    for (const auto& [from, motion] : recorded) {
+    for (const Recorded& segment_record : recorded) {
+      const Posture& from = segment_record.from;
+      const Motion& motion = segment_record.motion;
       if ((row == &reach) != (motion.goal.guided == Part::left_hand)) continue;
       const Segment segment(robot, from, motion.goal);
       VecX before = from.q;

@@ -20,7 +20,6 @@ class Trace {
   [[nodiscard]] bool close();
 
  private:
-  const RobotModel* robot_;
   Kinematics kinematics_;
   std::ofstream out_;
 };

@@ -15,8 +15,7 @@ namespace {
 class Trip {
  public:
   explicit Trip(const RobotModel& robot)
-      : robot_(robot),
-        world_(World::load("flat")),
+      : world_(World::load("flat")),
         home_(stand(robot, world_.site("start"), robot.profile().stance.com_height)),
         navigator_(robot, home_),
         planning_(robot, world_),
@@ -39,7 +38,6 @@ class Trip {
   int requests() const { return requests_; }
 
  private:
-  const RobotModel& robot_;
   World world_;
   Posture home_;
   Navigator navigator_;
