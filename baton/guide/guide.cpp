@@ -155,7 +155,9 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
   const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region);
-  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, region);
+  // Where it stood it can stand again, even if the other foot has come to rest a little outside the region since.
+  const Range stood{region.lo - profile.reach.foot, region.hi + profile.reach.foot};
+  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood);
   const Range stride{-profile.region.stride, profile.region.stride};
   const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride);
   std::vector<Goal> goals;

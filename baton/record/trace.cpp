@@ -13,8 +13,7 @@ Vec2 measured_zmp(const Truth& truth, double height) {
   return total.zmp(height);
 }
 
-Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
-    : kinematics_(robot), out_(file) {
+Trace::Trace(const RobotModel& robot, const std::filesystem::path& file) : kinematics_(robot), out_(file) {
   if (!out_) throw InputError(fmt::format("trace {}: cannot be written", file.string()));
   std::string header = "t,guide,segment,phase";
   for (int i = 0; i < robot.nq(); ++i)
