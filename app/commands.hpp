@@ -18,7 +18,7 @@ struct DriveOptions {
   std::string input = "auto";
   std::string duration = "paper";
   std::string gait = "stop";
-  std::string on_limit = "discard";
+  std::string on_limit = "shrink";
   std::optional<double> seconds;
   long seed = 0;
   bool headless = false;

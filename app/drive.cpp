@@ -22,12 +22,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 void refuse_modes_to_come(const DriveOptions& o) {
-  const auto refuse = [](const std::string& option, const std::string& value, const std::string& there) {
-    throw InputError(fmt::format("{} {}: not there yet; {} {} is", option, value, option, there));
-  };
-  if (o.duration != "paper") refuse("--duration", o.duration, "paper");
-  if (o.gait != "stop") refuse("--gait", o.gait, "stop");
-  if (o.on_limit != "discard") refuse("--on-limit", o.on_limit, "discard");
+  if (o.gait != "stop") throw InputError(fmt::format("--gait {}: not there yet; --gait stop is", o.gait));
 }
 
 }  // namespace
@@ -38,7 +33,9 @@ int drive(const DriveOptions& o) {
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
   Inputs inputs(o.input);
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal);
+  const Modes modes{o.duration == "paper" ? DurationRule::paper : DurationRule::search,
+                    o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink};
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt, {}, modes);
   Outputs outputs(robot, session, o.report, o.trace, o.save_model);
 
   std::optional<View> view;

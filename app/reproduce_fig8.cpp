@@ -56,11 +56,7 @@ ComProblem problem_of(const Step& step) {
     }
     problem.phases.push_back({kShares[i], ConvexPolygon::hull(soles)});
   }
-  const double lift = kShares[0];
-  problem.knots = {{0.0, problem.p0, 1.0},
-                   {lift, at(step.left), 1.0},
-                   {lift + kShares[1], at(step.left), 1.0},
-                   {1.0, problem.goal, 1.0}};
+  problem.knots = {{0.0, problem.p0, 1.0}, {1.0, at(step.left), 1.0}, {2.0, at(step.left), 1.0}, {3.0, problem.goal, 1.0}};
   return problem;
 }
 
@@ -157,10 +153,12 @@ int reproduce_fig8(const std::filesystem::path& out) {
     const Check check = integrate(steps[i], plans[i].path);
     const bool passed = plans[i].feasible && check.at_rest && check.outside == 0.0;
     verified = verified && passed;
-    segments.push_back({{"T", plans[i].ticks * kPeriod}, {"knots_y", knots_of(plans[i].path)}, {"verified", passed}});
-    spdlog::info("step {}: T = {:.1f} s after {} tries", i + 1, plans[i].ticks * kPeriod, plans[i].tried);
+    segments.push_back({{"T", plans[i].timing.duration()}, {"knots_y", knots_of(plans[i].path)}, {"verified", passed}});
+    spdlog::info("step {}: T = {:.1f} s after {} tries", i + 1, plans[i].timing.duration(), plans[i].tried);
   }
-  const ComPath hasty = com_path(problem_of(steps[1]), static_cast<int>(std::lround(kFirst / kPeriod)), kPeriod);
+  const ComProblem widened = problem_of(steps[1]);
+  const Timing first = timing_by_shares(widened.phases, static_cast<int>(std::lround(kFirst / kPeriod)), kPeriod);
+  const ComPath hasty = com_path(widened, first);
   const nlohmann::json summary = {
       {"segments", segments},
       {"uncorrected",

@@ -14,12 +14,12 @@ double cpu_us() {
 }
 
 Session::Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start,
-                 SimulatedRobot::Parameters parameters)
+                 SimulatedRobot::Parameters parameters, Modes modes)
     : robot_(&robot),
       world_(&world),
       start_(start ? *start : stand(robot, world.site("start"), robot.profile().stance.com_height)),
       navigator_(robot, start_),
-      planning_(robot, world) {
+      planning_(robot, world, modes) {
   const double period = robot.profile().tick.period;
   if (on == On::sim) {
     auto simulated = std::make_unique<SimulatedRobot>(robot, world, start_, period, parameters);

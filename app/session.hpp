@@ -22,7 +22,7 @@ class Session {
   /// @param start posture that the robot begins in; none: it stands at the world's site `start`
   /// @throws InputError robot and world do not go together
   Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start = std::nullopt,
-          SimulatedRobot::Parameters parameters = {});
+          SimulatedRobot::Parameters parameters = {}, Modes modes = {});
 
   /// Called with every tick, and with every answer of the planner.
   std::function<void(const TickRecord&)> on_tick;

@@ -39,10 +39,13 @@ std::vector<Row> bench_ik() {
       const Motion& motion = segment_record.motion;
       if ((row == &reach) != (motion.goal.guided == Part::left_hand)) continue;
       const Segment segment(robot, from, motion.goal);
+      Timing timing{motion.period, {0}};
+      for (const ContactPhase& phase : motion.phases)
+        timing.border.push_back(timing.border.back() + phase.ticks);
       VecX before = from.q;
       VecX previous = from.q;
       for (int k = 1; k <= motion.ticks(); ++k) {
-        const IkTargets targets = segment.targets(motion.com, k, motion.ticks());
+        const IkTargets targets = segment.targets(motion.com, timing, k * motion.period);
         VecX q = previous;
         q.tail(robot.nv() - 6) += (previous - before).tail(robot.nv() - 6);
         q.head<3>() += (previous - before).head<3>();

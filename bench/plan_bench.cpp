@@ -56,7 +56,7 @@ std::vector<Row> bench_plan() {
                               profile.tick.period);
     });
     several += plan.tried >= 3 ? 1 : 0;
-    T += plan.path.duration() / static_cast<double>(segments.size());
+    T += plan.timing.duration() / static_cast<double>(segments.size());
   }
   row.remark =
       fmt::format("{:.0f} % need three durations or more, mean T {:.2f} s; the paper: 300 us", 0.1 * several, T);

@@ -65,7 +65,7 @@ PROFILE = {
     "reach": {"foot": LENGTH, "trunk": LENGTH, "hand": LENGTH, "rotation": NONE},
     "region": {"foot_x": LENGTH, "stride": LENGTH, "foot_lateral": LENGTH, "foot_yaw": NONE, "sole_gap": LENGTH, "com_height": LENGTH,
                "trunk_inclination": NONE, "trunk_yaw": NONE, "hand_distance": LENGTH},
-    "swing": {"clearance": LENGTH, "lift": LENGTH},
+    "swing": {"clearance": LENGTH, "lift": LENGTH, "time": TIME},
     "ground": {"flatness": LENGTH, "tilt_deg": NONE},
     "duration": {"default": TIME, "step": TIME, "max": TIME},
     "phases": {"step": NONE, "lift": NONE, "lower": NONE, "weights": NONE},

@@ -1,9 +1,18 @@
 /// What the operator asks for: the newest position of the stick.
 #pragma once
 
+#include <cstdint>
+
 #include "baton/motion/posture.hpp"
 
 namespace baton {
+
+/// The two ways home, in place of the stick.
+enum class Recall : std::uint8_t {
+  none,
+  retrace,  ///< what was done last, backwards
+  home,     ///< steps to the stance that the robot began in
+};
 
 /// Axes are in −1…1, positive by the right hand in the heading frame: x forward, y left, z up, roll, pitch, yaw;
 /// `lift` is in 0…1, for each foot. Dead zone and curve are behind us: devices apply them.
@@ -11,11 +20,15 @@ struct Command {
   Part guide = Part::trunk;
   Vec6 axes = Vec6::Zero();
   BySide<double> lift{0.0, 0.0};
+  Recall recall = Recall::none;
 
-  /// All axes centred and the lift of the guided foot, if a foot is guided, zero.
-  [[nodiscard]] bool neutral() const { return axes.isZero(0.0) && (!is_foot(guide) || lift[side_of(guide)] == 0.0); }
+  /// No recall, all axes centred and the lift of the guided foot, if a foot is guided, zero.
+  [[nodiscard]] bool neutral() const {
+    return recall == Recall::none && axes.isZero(0.0) && (!is_foot(guide) || lift[side_of(guide)] == 0.0);
+  }
   [[nodiscard]] bool operator==(const Command& other) const {
-    return guide == other.guide && axes == other.axes && lift.left == other.lift.left && lift.right == other.lift.right;
+    return guide == other.guide && axes == other.axes && lift.left == other.lift.left &&
+           lift.right == other.lift.right && recall == other.recall;
   }
 };
 

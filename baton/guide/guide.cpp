@@ -49,6 +49,13 @@ Goal Guide::stay(const GuideContext& context, Part guided) const {
   return goal;
 }
 
+void Guide::arms_home(Goal& goal) const {
+  for (const Side side : kSides) {
+    for (const int j : robot_->arm(side))
+      goal.arms[j] = robot_->joints()[static_cast<std::size_t>(j)].home;
+  }
+}
+
 Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
   const double height = context.from.com.z() - context.from.support_height();
   Vec3 sum = Vec3::Zero();
@@ -143,10 +150,86 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
 GuideResult Guide::goals(const GuideContext& context, const Command& raw) const {
   const Command command = sanitised(raw);
   for (const Side side : kSides) {
-    if (!context.from.contact[side] && command.guide != foot(side)) return landings(context, side);
+    const bool guided = command.guide == foot(side) && command.recall == Recall::none;
+    if (!context.from.contact[side] && !guided) return landings(context, side);
   }
+  if (command.recall == Recall::home) return go_home(context);
   if (is_foot(command.guide)) return guide_foot(context, command);
   return command.guide == Part::trunk ? guide_trunk(context, command) : guide_hand(context, command);
+}
+
+std::vector<int> Guide::axes_of(Part part) const {
+  if (is_foot(part)) return {0, 1, 5};
+  if (is_hand(part) && !robot_->hand_has_attitude(side_of(part))) return {0, 1, 2};
+  return {0, 1, 2, 3, 4, 5};
+}
+
+Command Guide::shortened(const GuideContext& context, const Command& command, double share) const {
+  Command shorter = command;
+  shorter.axes *= share;
+  if (!is_foot(command.guide)) return shorter;
+  const Side side = side_of(command.guide);
+  double& lift = shorter.lift[side];
+  if (lift < kLeastLift) return shorter;  // a foot that is to stand is not left in the air
+  double now = 0.0;
+  if (!context.from.contact[side]) {
+    const Pose in_world = context.anchor * context.from.sole[side];
+    now = (in_world.p.z() - world_->highest_under(sole_outline(*robot_, side, in_world))) / robot_->profile().swing.lift;
+  }
+  lift = std::max(kLeastLift, now + share * (lift - now));
+  return shorter;
+}
+
+GuideResult Guide::go_home(const GuideContext& context) const {
+  const Profile& profile = robot_->profile();
+  const Posture& from = context.from;
+  // Everything but the feet as at the start.
+  Goal upright = stay(context, Part::trunk);
+  arms_home(upright);
+  const auto stand_on = [&](Goal goal) {
+    goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R)));
+    goal.com = 0.5 * (goal.sole.left.p + goal.sole.right.p) + Vec3(0, 0, profile.stance.com_height);
+    return goal;
+  };
+  std::vector<Goal> goals;
+  for (const Side side : {other(context.last_step), context.last_step}) {
+    const Pose& stance = from.sole[other(side)];
+    const Mat3 R = rotation_z(yaw_of(stance.R));
+    const Vec3 at = stance.p + R * Vec3(0, sign_of(side) * profile.stance.width, 0);
+    const bool there = (at - from.sole[side].p).head<2>().norm() < kSamePlace &&
+                       std::abs(wrap_angle(yaw_of(R) - yaw_of(from.sole[side].R))) < kSameYaw;
+    if (there) continue;
+    for (const double yaw : {yaw_of(stance.R), yaw_of(from.sole[side].R)}) {
+      const Placement placement = nearest_place(context, side, at.head<2>(), yaw, profile.region.foot_x);
+      const double nearer =
+          (at - from.sole[side].p).head<2>().norm() - (at - placement.sole.p).head<2>().norm();
+      const double turned = std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(from.sole[side].R))) -
+                            std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(placement.sole.R)));
+      if (placement.against || (nearer < kSamePlace && turned < kSameYaw)) continue;
+      Goal goal = upright;
+      goal.kind = SegmentKind::step;
+      goal.swing = side;
+      goal.sole[side] = placement.sole;
+      goals.push_back(stand_on(goal));
+    }
+  }
+  const Goal now = stay(context, Part::trunk);
+  const Goal home = stand_on(upright);
+  const bool there = (home.com - from.com).norm() < kSamePlace &&
+                     rotation_error(home.trunk, from.trunk).norm() < kSameYaw &&
+                     (home.arms - now.arms).cwiseAbs().maxCoeff() < kSameYaw;
+  if (!there) {
+    goals.push_back(home);
+    for (const double share : {0.5, 0.2}) {  // or nearer to it
+      Goal nearer = home;
+      nearer.com = from.com + share * (home.com - from.com);
+      nearer.trunk = interpolate(from.trunk, home.trunk, share);
+      nearer.arms = now.arms + share * (home.arms - now.arms);
+      goals.push_back(std::move(nearer));
+    }
+  }
+  if (goals.empty()) return std::monostate{};
+  return goals;
 }
 
 GuideResult Guide::landings(const GuideContext& context, Side side) const {
@@ -211,8 +294,14 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
     goal.kind = up ? SegmentKind::lower : SegmentKind::step;
   }
   goal.com = com_above(context, goal);
-  goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(from.trunk);
-  return std::vector<Goal>{goal};
+  const Mat3 yawed = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R)));
+  goal.trunk = yawed * inclination(from.trunk);
+  // If the legs cannot do it from so low or so inclined a trunk: at the nominal height, or upright too.
+  Goal higher = goal;
+  higher.com.z() += profile.stance.com_height - (from.com.z() - from.support_height());
+  Goal upright = higher;
+  upright.trunk = yawed;
+  return std::vector<Goal>{goal, higher, upright};
 }
 
 GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
@@ -235,10 +324,7 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   if ((goal.com - from.com).norm() < 1e-6 && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }
-  for (const Side side : kSides) {
-    for (const int j : robot_->arm(side))
-      goal.arms[j] = robot_->joints()[static_cast<std::size_t>(j)].home;
-  }
+  arms_home(goal);
   return stand_under(context, goal);
 }
 

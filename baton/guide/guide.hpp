@@ -34,6 +34,12 @@ class Guide {
   /// The goals that `command` asks for. The command is sanitised here.
   [[nodiscard]] GuideResult goals(const GuideContext& context, const Command& command) const;
 
+  /// The axes that a part can use.
+  [[nodiscard]] std::vector<int> axes_of(Part part) const;
+
+  /// The same command, its goal only a share of the way from where the guided part is now.
+  [[nodiscard]] Command shortened(const GuideContext& context, const Command& command, double share) const;
+
   /// Ways to put down a foot that is in the air: where it is, where it stood last, at the nearest place; with the
   /// COM as high as it is, or lower.
   [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;
@@ -44,11 +50,14 @@ class Guide {
   [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Command& command) const;
+  /// Back to the stance that the robot began in, where the feet are now: by steps, COM, trunk and arms.
+  [[nodiscard]] GuideResult go_home(const GuideContext& context) const;
   /// Decides whether and where a foot steps for the COM and trunk attitude of `goal`.
   [[nodiscard]] GuideResult stand_under(const GuideContext& context, const Goal& goal) const;
 
   /// A goal in which nothing moves.
   [[nodiscard]] Goal stay(const GuideContext& context, Part guided) const;
+  void arms_home(Goal& goal) const;
   /// The foot at a place on the ground, or in the air `lift` above it.
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
                                 const Range& forward) const;

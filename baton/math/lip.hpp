@@ -15,14 +15,23 @@ struct ComState {
   Vec3 p = Vec3::Zero();    ///< [m]
   Vec3 dp = Vec3::Zero();   ///< [m/s]
   Vec3 ddp = Vec3::Zero();  ///< [m/s²]
-  Vec3 v = Vec3::Zero();    ///< VRP [m]
+  Vec3 v = Vec3::Zero();    ///< VRP of the whole body [m]
 };
 
 /// Wish for one VRP knot.
 struct VrpKnot {
-  double t = 0.0;            ///< [s] from the start
+  double t = 0.0;            ///< when
   Vec3 wish = Vec3::Zero();  ///< reference value [m]
   double weight = 1.0;       ///< of the deviation from the wish, > 0
+};
+
+/// How far the VRP of the whole body lies from that of its point mass, piecewise linear in time: the limbs' angular
+/// momentum (docs/theory.md §8). Empty: a point mass.
+struct VrpOffset {
+  std::vector<double> times;  ///< [s], increasing from 0
+  std::vector<Vec3> values;   ///< [m]
+
+  [[nodiscard]] Vec3 at(double t) const;
 };
 
 /// A centre-of-mass motion: knots of the VRP and the state at t = 0.
@@ -32,8 +41,9 @@ class ComPath {
 
   /// @param omega [rad/s]
   /// @param times knot times [s], increasing from 0
-  /// @param knots VRP at those times [m]
-  ComPath(double omega, std::vector<double> times, std::vector<Vec3> knots, const Vec3& p0, const Vec3& dp0);
+  /// @param knots VRP at those times [m]; the COM is driven by the VRP less `offset`
+  ComPath(double omega, std::vector<double> times, std::vector<Vec3> knots, const Vec3& p0, const Vec3& dp0,
+          const VrpOffset& offset = {});
 
   [[nodiscard]] ComState at(double t) const;
   [[nodiscard]] double duration() const { return times_.empty() ? 0.0 : times_.back(); }
@@ -42,17 +52,42 @@ class ComPath {
   [[nodiscard]] const std::vector<Vec3>& knots() const { return knots_; }
 
  private:
+  /// Where the VRP or its offset has a corner.
+  struct Node {
+    double t = 0.0;
+    Vec3 v = Vec3::Zero();      ///< VRP
+    Vec3 drive = Vec3::Zero();  ///< VRP less offset
+    Vec3 p = Vec3::Zero();      ///< COM
+    Vec3 dp = Vec3::Zero();
+  };
+  [[nodiscard]] ComState between(const Node& a, const Node& b, double t) const;
+
   double omega_ = 1.0;
   std::vector<double> times_;
   std::vector<Vec3> knots_;
-  std::vector<Vec3> p_;   ///< COM at the knots
-  std::vector<Vec3> dp_;  ///< and its velocity
+  std::vector<Node> nodes_;
 };
+
+/// How the DCM ξ = p + ṗ/ω and its mirror η = p − ṗ/ω at the knots depend on the knots' VRPs v, for a COM that starts
+/// at (p0, dp0) and ends at rest at `goal`: ξ = Ξ v + ξ0 (solved backwards from the goal) and η = H v + η0 (forwards
+/// from the start), so that nothing grows. The motion exists where the first ξ is p0 + dp0/ω and the last η is `goal`:
+/// two rows on v for each axis (docs/theory.md §3).
+struct KnotResponse {
+  MatX xi, eta;                                   ///< Ξ, H: n × n
+  Eigen::Matrix<double, Eigen::Dynamic, 3> xi0;   ///< n × 3 [m]
+  Eigen::Matrix<double, Eigen::Dynamic, 3> eta0;  ///< n × 3 [m]
+  Eigen::Matrix<double, 2, Eigen::Dynamic> A;     ///< the two rows: A v = b
+  Eigen::Matrix<double, 2, 3> b;
+};
+/// @param knots at least two, times increasing from 0; the last time is the duration
+/// @throws std::invalid_argument fewer than two knots, times that do not increase
+[[nodiscard]] KnotResponse knot_response(double omega, std::span<const VrpKnot> knots, const Vec3& p0, const Vec3& dp0,
+                                         const Vec3& goal, const VrpOffset& offset);
 
 /// Boundary value problem (docs/theory.md §3, "boundary condition relaxation"): the knots nearest to their
 /// wishes, in the weighted least-squares sense, that bring the COM from (p0, dp0) to rest at `goal`.
-/// @param knots at least two, times increasing from 0; the last time is the duration
-/// @throws std::invalid_argument fewer than two knots, times that do not increase, weights not positive
+/// @throws std::invalid_argument as above, or weights not positive
+[[nodiscard]] std::vector<Vec3> nearest_knots(std::span<const VrpKnot> knots, const KnotResponse& response);
 [[nodiscard]] ComPath solve_com_path(double omega, std::span<const VrpKnot> knots, const Vec3& p0, const Vec3& dp0,
                                      const Vec3& goal);
 

@@ -180,7 +180,7 @@ Profile Profile::load(const std::filesystem::path& file) {
               read.number("region.trunk_inclination", 0, 1.5),
               read.positive("region.trunk_yaw", 1.5),
               read.positive("region.hand_distance", 3)};
-  p.swing = {read.positive("swing.clearance", 1), read.positive("swing.lift", 1)};
+  p.swing = {read.positive("swing.clearance", 1), read.positive("swing.lift", 1), read.positive("swing.time", 5)};
   p.ground = {read.number("ground.flatness", 0, 0.1), read.number("ground.tilt_deg", 0, 30) * kDegree};
   p.duration = {read.number("duration.default", 0.05, 10), read.number("duration.step", 0.01, 10),
                 read.positive("duration.max", 60)};

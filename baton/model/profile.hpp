@@ -61,6 +61,7 @@ struct Profile {
   struct Swing {
     double clearance = 0.0;  ///< apex above the higher end of a step [m]
     double lift = 0.0;       ///< height of a lifted foot at full throttle [m]
+    double time = 0.0;       ///< shortest time that a foot is in the air on a step [s]
   } swing;
 
   /// Flat enough to stand on.

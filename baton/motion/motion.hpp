@@ -1,6 +1,7 @@
 /// A motion: contact phases with a centre-of-mass path, and the joint paths that were verified.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,9 @@ struct Motion {
   MotionSample rest;                  ///< the sample of every tick after the end
   Certificate certificate;
   int durations_tried = 0;  ///< by the duration correction
+  bool retraces = false;    ///< an executed motion, backwards
+  /// What spoke against the goal that the command asked for, if this is only a part of the way there.
+  std::optional<Refusal> limit;
 
   [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }
   [[nodiscard]] double duration() const { return period * ticks(); }

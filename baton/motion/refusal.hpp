@@ -21,6 +21,7 @@ enum class Reason {
   trunk_inclination,  ///< trunk tilted too far [rad]
   no_progress,        ///< no foothold brings the robot nearer to the goal
   no_landing,         ///< from there the lifted foot could not be put down again
+  no_history,         ///< nothing is left to retrace
   // plan and verify: the motion to it
   zmp,             ///< ZMP nearer to the edge of the support polygon than the margin [m]
   unreachable,     ///< inverse kinematics leaves a residual on feet or COM [m or rad]
@@ -39,7 +40,7 @@ inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_fin
 [[nodiscard]] constexpr std::string_view to_string(Reason reason) {
   constexpr std::array<std::string_view, kReasons> names{
       "foot_region",    "foot_yaw", "sole_gap",     "ground",      "com_height",  "trunk_inclination", "no_progress",
-      "no_landing",     "zmp",      "unreachable",  "joint_limit", "joint_speed", "joint_torque",      "friction",
+      "no_landing", "no_history",     "zmp",      "unreachable",  "joint_limit", "joint_speed", "joint_torque",      "friction",
       "self_collision", "obstacle", "swing_ground", "not_finite"};
   return names[static_cast<std::size_t>(reason)];
 }

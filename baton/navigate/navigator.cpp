@@ -8,23 +8,98 @@
 namespace baton {
 namespace {
 
-constexpr double kPatience = 0.05;  ///< from a refusal at rest to the next request [s]
+constexpr double kPatience = 0.05;    ///< from a refusal at rest to the next request [s]
+constexpr int kShrinkings = 3;        ///< shares of a goal that are tried
+constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the direction can be had
+constexpr double kWorth = 0.05;       ///< least part of the guided part's reach that a shrunk motion makes
+constexpr std::size_t kHistory = 200;  ///< motions that are kept to be retraced
 
 }  // namespace
 
+Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
+    : robot_(&robot), modes_(modes), guide_(robot, world), planner_(robot, world, modes.duration) {}
+
 PlanningResult Planning::plan(const Problem& problem) {
   PlanningResult result{problem.take_over, problem.command, problem.context.anchor, std::monostate{}};
-  GuideResult guided = guide_.goals(problem.context, problem.command);
-  if (const auto* refusal = std::get_if<Refusal>(&guided)) result.outcome = *refusal;
-  if (const auto* goals = std::get_if<std::vector<Goal>>(&guided)) {
-    PlanResult planned = first_of(*goals, problem.context);
-    if (auto* motion = std::get_if<Motion>(&planned)) {
-      result.outcome = std::move(*motion);
-    } else {
-      result.outcome = std::get<Refusal>(planned);
+  if (problem.command.recall == Recall::retrace) {
+    result.outcome = go_back(problem);
+    return result;
+  }
+  result.outcome = resolve(problem.context, problem.command);
+  if (const auto* refusal = std::get_if<Refusal>(&result.outcome)) {
+    std::optional<Motion> part = modes_.on_limit == OnLimit::shrink ? shrunk(problem) : std::nullopt;
+    if (part) {
+      part->limit = *refusal;
+      result.outcome = *std::move(part);
     }
   }
   return result;
+}
+
+Planning::Outcome Planning::resolve(const GuideContext& context, const Command& command) {
+  GuideResult guided = guide_.goals(context, command);
+  if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
+  const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+  if (goals == nullptr) return std::monostate{};
+  PlanResult planned = first_of(*goals, context);
+  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+  return std::get<Refusal>(std::move(planned));
+}
+
+Planning::Outcome Planning::go_back(const Problem& problem) {
+  if (!problem.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
+  PlanResult planned = planner_.retrace(*problem.trail, problem.context.anchor);
+  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+  return std::get<Refusal>(std::move(planned));
+}
+
+std::optional<Motion> Planning::shrunk(const Problem& problem) {
+  const Posture& from = problem.context.from;
+  const Command& command = problem.command;
+  const bool both_stand = from.contact.left && from.contact.right;
+  if (command.recall != Recall::none || (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
+    return std::nullopt;
+  std::optional<Motion> best;
+  const auto tried = [&](const Command& candidate) {
+    Outcome outcome = resolve(problem.context, candidate);
+    auto* motion = std::get_if<Motion>(&outcome);
+    const bool better = motion != nullptr && worth(from, *motion);
+    if (better) best = std::move(*motion);
+    return better;
+  };
+  double done = 0.0;
+  double refused = 1.0;
+  for (int k = 0; k < kShrinkings; ++k) {
+    const double share = 0.5 * (done + refused);
+    (tried(guide_.shortened(problem.context, command, share)) ? done : refused) = share;
+  }
+  if (best) return best;
+  // Nowhere along the direction: along the limit then, by the axis that asks for most, or the next.
+  std::vector<int> axes = guide_.axes_of(command.guide);
+  std::stable_sort(axes.begin(), axes.end(),
+                   [&](int a, int b) { return std::abs(command.axes[a]) > std::abs(command.axes[b]); });
+  axes.resize(std::min(axes.size(), kAxesTried));
+  for (const int axis : axes) {
+    Command one = command;
+    one.axes.setZero();
+    one.axes[axis] = command.axes[axis];
+    if (one.axes[axis] != 0.0 && tried(one)) return best;
+  }
+  return std::nullopt;
+}
+
+bool Planning::worth(const Posture& from, const Motion& motion) const {
+  const Profile::Reach& reach = robot_->profile().reach;
+  const Part part = motion.goal.guided;
+  const auto pose = [&](const Posture& posture) -> Pose {
+    if (is_foot(part)) return posture.sole[side_of(part)];
+    if (is_hand(part)) return posture.hand[side_of(part)];
+    return {posture.com, posture.trunk};
+  };
+  const double size = is_foot(part) ? reach.foot : is_hand(part) ? reach.hand : reach.trunk;
+  const Pose a = pose(from);
+  const Pose b = pose(motion.end);
+  return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
 }
 
 PlanResult Planning::first_of(const std::vector<Goal>& goals, const GuideContext& context) {
@@ -93,7 +168,10 @@ std::optional<Problem> Navigator::request() {
   // What was refused would be refused again, from the same place.
   const bool same_place = (anchor.p - refused_at_.p).norm() < 1e-3;
   if (!motion_ && ((refusal_ && same_place) || tick_ < not_before_)) return std::nullopt;
-  asked_ = Problem{tick_ + lookahead, command_, {from, anchor, last_step_, foothold_}};
+  asked_ = Problem{tick_ + lookahead,
+                   command_,
+                   {from, anchor, last_step_, foothold_},
+                   history_.empty() ? nullptr : history_.back()};
   return asked_;
 }
 
@@ -117,6 +195,7 @@ void Navigator::take_over() {
   if (auto* motion = std::get_if<Motion>(&result->outcome)) {
     commit(std::move(*motion), result->anchor);
   } else if (const auto* refusal = std::get_if<Refusal>(&result->outcome)) {
+    if (!refusal_ || !(refused_ == result->command)) ++refused_in_a_row_;
     refusal_ = *refusal;
     refused_ = result->command;
     refused_at_ = result->anchor;
@@ -125,6 +204,13 @@ void Navigator::take_over() {
 }
 
 void Navigator::commit(Motion motion, const Pose& anchor) {
+  if (motion.retraces) {
+    history_.pop_back();
+  } else {
+    if (history_.size() == kHistory) history_.erase(history_.begin());
+    history_.push_back(std::make_shared<const Trail>(trail_of(posture_, motion)));
+  }
+  refused_in_a_row_ = 0;
   motion_ = std::move(motion);
   index_ = 0;
   anchor_ = anchor;

@@ -2,17 +2,31 @@
 /// and ends at rest; only here is it replaced, and only by another verified one.
 #pragma once
 
+#include <memory>
+
 #include "baton/balance/stabiliser.hpp"
 #include "baton/guide/guide.hpp"
 #include "baton/plan/planner.hpp"
 
 namespace baton {
 
+/// What happens to a goal that cannot be verified.
+enum class OnLimit {
+  discard,  ///< the command is refused
+  shrink,   ///< the goal comes nearer, along its direction, until it can
+};
+
+struct Modes {
+  DurationRule duration = DurationRule::paper;
+  OnLimit on_limit = OnLimit::shrink;
+};
+
 /// A planning task: everything that the answer depends on.
 struct Problem {
   long take_over = 0;  ///< tick at which the answer would begin
   Command command;
   GuideContext context;
+  std::shared_ptr<const Trail> trail;  ///< the executed motion that is next to be retraced; null: there is none
 };
 
 /// The answer: nothing was asked for, a verified motion, or why there is none.
@@ -27,15 +41,25 @@ struct PlanningResult {
 class Planning {
  public:
   /// Robot and world must outlive the object.
-  Planning(const RobotModel& robot, const World& world) : guide_(robot, world), planner_(robot, world) {}
+  Planning(const RobotModel& robot, const World& world, Modes modes = {});
   [[nodiscard]] PlanningResult plan(const Problem& problem);
 
  private:
+  using Outcome = std::variant<std::monostate, Motion, Refusal>;
+
+  [[nodiscard]] Outcome resolve(const GuideContext& context, const Command& command);
+  [[nodiscard]] Outcome go_back(const Problem& problem);
+  /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
+  [[nodiscard]] std::optional<Motion> shrunk(const Problem& problem);
+  /// Whether the guided part comes anywhere by it.
+  [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
   [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const GuideContext& context);
   /// Whether the foot that `motion` leaves in the air could be put down from there.
   [[nodiscard]] bool can_land(const Motion& motion, const GuideContext& context);
 
+  const RobotModel* robot_;
+  Modes modes_;
   Guide guide_;
   Planner planner_;
 };
@@ -83,6 +107,10 @@ class Navigator {
   [[nodiscard]] const Command& command() const { return command_; }
   /// The newest refusal, while the command that it answered still stands.
   [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
+  /// Different commands refused since the last motion.
+  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+  /// Motions that can be retraced.
+  [[nodiscard]] std::size_t history() const { return history_.size(); }
 
  private:
   void end_of_motion();
@@ -113,6 +141,8 @@ class Navigator {
   std::optional<Problem> asked_;           ///< the request under way
   std::optional<PlanningResult> offered_;  ///< its answer, to be taken over
   std::optional<Refusal> refusal_;
+  int refused_in_a_row_ = 0;
+  std::vector<std::shared_ptr<const Trail>> history_;  ///< from rest to rest, the newest last
   Command refused_;      ///< what `refusal_` answers
   Pose refused_at_;      ///< anchor then
   long not_before_ = 0;  ///< tick of the next request from rest, after a refusal

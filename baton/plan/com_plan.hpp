@@ -1,7 +1,9 @@
-/// The centre of mass of a segment: contact phases, wishes for the VRP, and the check of the point mass's ZMP
-/// (docs/theory.md §3, §4).
+/// The centre of mass of a segment: contact phases, wishes for the VRP, and its knots inside the support polygons
+/// (docs/theory.md §3, §4, §8).
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "baton/math/lip.hpp"
@@ -11,11 +13,22 @@ namespace baton {
 
 /// A contact phase of a segment whose duration is not known yet.
 struct SupportPhase {
-  double share = 1.0;     ///< of the duration
+  double share = 1.0;     ///< of the duration, unless a timing says otherwise
   ConvexPolygon support;  ///< where the ZMP may be, on the problem's plane [m]
 };
 
-/// Boundary value problem of one segment, for any duration.
+/// When the phases of a segment begin and end.
+struct Timing {
+  double period = 0.005;    ///< of a tick [s]
+  std::vector<int> border;  ///< [ticks], from 0 to the duration: one more than there are phases
+
+  [[nodiscard]] int ticks() const { return border.back(); }
+  [[nodiscard]] double duration() const { return period * ticks(); }
+  /// Time of a place counted in phases: 1.5 is the middle of the second one [s].
+  [[nodiscard]] double at(double place) const;
+};
+
+/// Boundary value problem of one segment, for any timing.
 struct ComProblem {
   double omega = 1.0;        ///< [rad/s]
   Vec3 p0 = Vec3::Zero();    ///< COM at the start [m]
@@ -24,29 +37,45 @@ struct ComProblem {
   double plane = 0.0;        ///< height of the ZMP's plane [m]
   double margin = 0.0;       ///< of the ZMP inside the support [m]
   std::vector<SupportPhase> phases;
-  std::vector<VrpKnot> knots;  ///< wishes; `t` is a share of the duration, 0…1
+  std::vector<VrpKnot> knots;  ///< wishes; `t` is a place counted in phases: 0 … number of phases
 };
 
-/// Borders of the phases [ticks], the first 0, for a duration of `ticks`; every phase has at least one tick.
-[[nodiscard]] std::vector<int> phase_borders(const std::vector<SupportPhase>& phases, int ticks);
+/// The timing by the phases' own shares, for a duration of `ticks`; every phase has at least one tick.
+[[nodiscard]] Timing timing_by_shares(const std::vector<SupportPhase>& phases, int ticks, double period);
 
-/// The COM path of a duration of `ticks` of `period` [s]. Knots that lie on a phase border move with it to the
-/// nearest tick.
-[[nodiscard]] ComPath com_path(const ComProblem& problem, int ticks, double period);
+/// The COM path whose knots are nearest to their wishes, wherever that takes the ZMP.
+[[nodiscard]] ComPath com_path(const ComProblem& problem, const Timing& timing);
 
-/// Least distance of the point mass's ZMP from the edge of the support [m], negative outside, sampled at the
+/// Least distance of the ZMP from the edge of the support [m], negative outside, sampled at the
 /// knots and at least every 20 ms; at the border of two phases the ZMP must be in both supports.
 struct ZmpMargin {
   double margin = 0.0;
   double t = 0.0;  ///< where it is least [s]
 };
-[[nodiscard]] ZmpMargin zmp_margin(const ComProblem& problem, const ComPath& path, double period);
+[[nodiscard]] ZmpMargin zmp_margin(const ComProblem& problem, const ComPath& path, const Timing& timing);
+
+/// The same cost as `com_path` with the supports as inequalities at the knots: a small quadratic program. Between
+/// knots the VRP is linear and the supports are convex.
+class BoundedCom {
+ public:
+  BoundedCom();
+  ~BoundedCom();
+
+  /// None if no knots keep the ZMP inside by the problem's margin.
+  /// @param offset of the whole body's VRP from the point mass's
+  [[nodiscard]] std::optional<ComPath> path(const ComProblem& problem, const Timing& timing,
+                                            const VrpOffset& offset = {});
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> w_;
+};
 
 /// The paper's duration correction for the point mass: the first of T, T + ΔT, … ≤ T_max whose ZMP stays inside.
 struct ComPlan {
   bool feasible = false;
-  int ticks = 0;
   int tried = 0;
+  Timing timing;
   ComPath path;
   ZmpMargin zmp;
 };

@@ -4,104 +4,239 @@
 #include <limits>
 
 #include "baton/ik/stand.hpp"
+#include "baton/plan/retrace.hpp"
 
 namespace baton {
 namespace {
 
-constexpr int kSurveyed = 12;          ///< postures that a survey looks at
-constexpr int kSurveyIterations = 12;  ///< of inverse kinematics for each
+constexpr int kSurveyed = 48;           ///< postures that a survey looks at, about
+constexpr double kSurveySpacing = 0.01;  ///< but none nearer to each other than this [s]
+constexpr int kSurveyIterations = 12;   ///< of inverse kinematics for each
+constexpr int kCorrections = 2;         ///< by the limbs' part in the ZMP
+constexpr int kMostAttempts = 10;       ///< of the search for the shortest duration
+constexpr double kResolution = 0.04;    ///< of that duration, relative
 
-/// Whether more time can mend it.
-bool is_matter_of_time(Reason reason) {
-  switch (reason) {
-    case Reason::zmp:
+/// The factor on the duration that may mend it: speeds go with 1/T, accelerations with 1/T².
+double stretch_for(const Refusal& refusal) {
+  const double excess = refusal.value / refusal.limit;
+  switch (refusal.reason) {
     case Reason::joint_speed:
+      return std::clamp(excess, 1.03, 2.0);
     case Reason::joint_torque:
     case Reason::friction:
-      return true;
+      return std::clamp(std::sqrt(excess), 1.05, 1.5);
+    case Reason::zmp:
+      return 1.08;
     default:
-      return false;
+      return 0.0;
   }
 }
 
 }  // namespace
 
-Planner::Planner(const RobotModel& robot, const World& world) : robot_(&robot), ik_(robot), verifier_(robot, world) {}
+Planner::Planner(const RobotModel& robot, const World& world, DurationRule rule)
+    : robot_(&robot), rule_(rule), ik_(robot), kinematics_(robot), verifier_(robot, world) {}
 
 PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor) {
-  const Profile& profile = robot_->profile();
   if (!goal.com.allFinite() || !goal.trunk.allFinite()) return Refusal{Reason::not_finite, goal.guided, 0, 0, ""};
   const Segment segment(*robot_, from, goal);
   Motion motion;
-  motion.period = profile.tick.period;
+  motion.period = robot_->profile().tick.period;
   motion.goal = goal;
-  Refusal refusal;
-  for (double T = profile.duration.first; T <= profile.duration.max + 1e-9; T += profile.duration.step) {
-    ++motion.durations_tried;
+  const Task task{segment, from, anchor};
+  return rule_ == DurationRule::paper ? by_paper(task, std::move(motion)) : by_search(task, std::move(motion));
+}
+
+PlanResult Planner::by_paper(const Task& task, Motion motion) {
+  const Profile::Duration& duration = robot_->profile().duration;
+  std::optional<Failure> failure;
+  double certain = 0.0;  // no duration below is worth a try
+  for (double T = duration.first; T <= duration.max + 1e-9; T += duration.step) {
+    if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / motion.period));
-    motion.com = com_path(segment.com(), ticks, motion.period);
-    const ZmpMargin zmp = zmp_margin(segment.com(), motion.com, motion.period);
-    if (!(zmp.margin >= segment.com().margin)) {
-      refusal = {Reason::zmp, goal.guided, zmp.margin, segment.com().margin, "point mass"};
-      continue;
-    }
-    motion.phases = segment.phases(ticks);
-    std::optional<Refusal> failed = survey(segment, from, motion);
-    if (!failed) failed = realise(segment, from, motion);
-    if (failed) {
-      refusal = *failed;
-    } else {
-      auto verdict = verifier_.verify(motion, anchor);
-      if (const auto* certificate = std::get_if<Certificate>(&verdict)) {
-        motion.certificate = *certificate;
-        motion.rest = resting(*robot_, motion.end);
-        return motion;
-      }
-      refusal = std::get<Refusal>(verdict);
-    }
-    if (refusal.part == Part::trunk) refusal.part = goal.guided;
-    if (!is_matter_of_time(refusal.reason)) break;
+    failure = attempt(task, timing_by_shares(task.segment.com().phases, ticks, motion.period), motion);
+    if (!failure) return motion;
+    if (failure->stretch == 0.0) break;
+    if (failure->refusal.reason == Reason::joint_speed) certain = std::min(failure->stretch * T, duration.max);
   }
+  return failure->refusal;
+}
+
+bool Planner::feasible(const Segment& segment, const Timing& timing) {
+  return com_.path(segment.com(), timing).has_value();
+}
+
+std::optional<Timing> Planner::timing(const Segment& segment, int ticks) {
+  const double period = robot_->profile().tick.period;
+  const ComProblem& com = segment.com();
+  Timing timing = timing_by_shares(com.phases, ticks, period);
+  const std::optional<std::size_t> swing = segment.swing_phase();
+  const int least = swing ? static_cast<int>(std::ceil(robot_->profile().swing.time / period - 1e-9)) : 0;
+  const auto swings = [&] { return timing.border[*swing + 1] - timing.border[*swing]; };
+  if ((!swing || swings() >= least) && feasible(segment, timing)) return timing;
+  if (!swing || com.phases.size() == 1) return std::nullopt;
+  // The shortest swing; the rest of the time is divided as before.
+  const int rest = ticks - least;
+  if (rest < static_cast<int>(com.phases.size()) - 1) return std::nullopt;
+  double others = 0.0;
+  for (std::size_t i = 0; i < com.phases.size(); ++i)
+    others += i == *swing ? 0.0 : com.phases[i].share;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < com.phases.size(); ++i) {
+    sum += i == *swing ? 0.0 : com.phases[i].share / others * rest;
+    timing.border[i + 1] = static_cast<int>(std::lround(sum)) + (i >= *swing ? least : 0);
+  }
+  return feasible(segment, timing) ? std::optional(timing) : std::nullopt;
+}
+
+PlanResult Planner::by_search(const Task& task, Motion motion) {
+  const Profile& profile = robot_->profile();
+  const auto in_ticks = [&](double t) { return static_cast<int>(std::lround(t / motion.period)); };
+  const int longest = in_ticks(profile.duration.max);
+  // The shortest that the point mass can do.
+  int failed = std::max(static_cast<int>(task.segment.com().phases.size()), in_ticks(profile.swing.time)) - 1;
+  int ticks = longest;
+  if (!timing(task.segment, longest)) {
+    const Timing by_shares = timing_by_shares(task.segment.com().phases, longest, motion.period);
+    const ZmpMargin zmp = zmp_margin(task.segment.com(), com_path(task.segment.com(), by_shares), by_shares);
+    return Refusal{Reason::zmp, motion.goal.guided, zmp.margin, task.segment.com().margin, "point mass"};
+  }
+  while (ticks - failed > 1) {
+    const int middle = (ticks + failed) / 2;
+    (timing(task.segment, middle) ? ticks : failed) = middle;
+  }
+  std::optional<Motion> best;
+  Refusal refusal;
+  for (int k = 0; k < kMostAttempts; ++k) {
+    const std::optional<Timing> candidate = timing(task.segment, ticks);
+    std::optional<Failure> failure;
+    if (candidate) failure = attempt(task, *candidate, motion);
+    if (candidate && !failure) {
+      best = motion;
+    } else {
+      if (failure) refusal = failure->refusal;
+      if (failure && failure->stretch == 0.0) break;
+      failed = ticks;
+    }
+    if (best && best->ticks() - failed <= kResolution * best->ticks()) break;
+    if (!best && failed == longest) break;
+    const double stretch = failure ? failure->stretch : 1.05;
+    ticks = best ? (best->ticks() + failed) / 2 : std::min(longest, static_cast<int>(std::ceil(failed * stretch)));
+  }
+  if (best) return std::move(*best);
   return refusal;
 }
 
-std::optional<Refusal> Planner::survey(const Segment& segment, const Posture& from, const Motion& motion) {
-  const Profile& profile = robot_->profile();
-  const Part part = motion.goal.guided;
-  const int ticks = static_cast<int>(std::lround(motion.com.duration() / motion.period));
-  const int stride = std::max(1, ticks / kSurveyed);
-  VecX before = from.q;
-  VecX q = from.q;
-  for (int k = stride; k <= ticks; k += stride) {
-    before = q;
-    const IkResult result = ik_.solve(segment.targets(motion.com, k, ticks), before,
-                                      std::numeric_limits<double>::infinity(), q, kSurveyIterations);
-    const IkResidual& r = result.residual;
-    for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
-      const Joint& joint = robot_->joints()[j];
-      const auto i = 7 + static_cast<Eigen::Index>(j);
-      const double room = std::min(q[i] - joint.position.lo, joint.position.hi - q[i]);
-      if (room < profile.margin.joint)
-        return Refusal{Reason::joint_limit, part, room, profile.margin.joint, joint.name};
-      // The mean speed between two looks: if that is too much, the largest is.
-      const double speed = std::abs(q[i] - before[i]) / (stride * motion.period);
-      if (speed > joint.speed) return Refusal{Reason::joint_speed, part, speed, joint.speed, joint.name};
+PlanResult Planner::retrace(const Trail& trail, const Pose& anchor) {
+  Motion motion = reversed(*robot_, trail);
+  auto verdict = verifier_.verify(motion, anchor);
+  if (auto* refusal = std::get_if<Refusal>(&verdict)) return std::move(*refusal);
+  motion.certificate = std::get<Certificate>(std::move(verdict));
+  motion.rest = resting(*robot_, motion.end);
+  return motion;
+}
+
+std::optional<Planner::Failure> Planner::attempt(const Task& task, const Timing& timing, Motion& motion) {
+  ++motion.durations_tried;
+  const auto failure = [&](Refusal refusal) {
+    if (refusal.part == Part::trunk) refusal.part = motion.goal.guided;
+    const double stretch = stretch_for(refusal);
+    return Failure{std::move(refusal), stretch};
+  };
+  const ComProblem& problem = task.segment.com();
+  VrpOffset offset;
+  for (int k = 0;; ++k) {
+    std::optional<ComPath> path = com_.path(problem, timing, offset);
+    if (!path) {
+      const double margin = zmp_margin(problem, com_path(problem, timing), timing).margin;
+      return failure({Reason::zmp, motion.goal.guided, margin, problem.margin, k == 0 ? "point mass" : ""});
     }
-    const double position = std::max(r.sole_position, r.com);
-    if (position > profile.ik.position && result.iterations == kSurveyIterations) {
-      return Refusal{Reason::unreachable, part, position, profile.ik.position, ""};
-    }
+    motion.com = std::move(*path);
+    if (k == kCorrections) break;
+    std::variant<VrpOffset, Failure> looked = survey(task, motion.com, timing);
+    if (auto* failed = std::get_if<Failure>(&looked)) return failure(failed->refusal);
+    offset = std::move(std::get<VrpOffset>(looked));
   }
+  motion.phases = task.segment.phases(timing);
+  if (const std::optional<Refusal> refusal = realise(task, timing, motion)) return failure(*refusal);
+  auto verdict = verifier_.verify(motion, task.anchor);
+  if (const auto* refusal = std::get_if<Refusal>(&verdict)) return failure(*refusal);
+  motion.certificate = std::get<Certificate>(verdict);
+  motion.rest = resting(*robot_, motion.end);
   return std::nullopt;
 }
 
-std::optional<Refusal> Planner::realise(const Segment& segment, const Posture& from, Motion& motion) {
+std::variant<VrpOffset, Planner::Failure> Planner::survey(const Task& task, const ComPath& path, const Timing& timing) {
+  const Profile& profile = robot_->profile();
+  const ComProblem& problem = task.segment.com();
+  const auto fails = [](Reason reason, double value, double limit, const std::string& where) {
+    return Failure{{reason, Part::trunk, value, limit, where}, 0.0};
+  };
+  std::vector<double> t{0.0};
+  const double spacing = std::max(kSurveySpacing, timing.duration() / kSurveyed);
+  for (std::size_t i = 0; i + 1 < timing.border.size(); ++i) {
+    const double begin = timing.border[i] * timing.period;
+    const double end = timing.border[i + 1] * timing.period;
+    const int parts = std::max(2, static_cast<int>(std::lround((end - begin) / spacing)));
+    for (int k = 1; k <= parts; ++k)
+      t.push_back(begin + (end - begin) * k / parts);
+  }
+  const std::size_t last = t.size() - 1;
+  std::vector<VecX> q(t.size(), task.from.q);
+  std::vector<VecX> step(t.size() + 1, VecX::Zero(robot_->nv()));  // velocity between postures i − 1 and i
+  for (std::size_t i = 1; i <= last; ++i) {
+    const double h = t[i] - t[i - 1];
+    q[i] = q[i - 1];
+    if (i > 1) integrate(*robot_, q[i], step[i - 1], h);
+    const IkResult result = ik_.solve(task.segment.targets(path, timing, t[i]), q[i - 1],
+                                      std::numeric_limits<double>::infinity(), q[i], kSurveyIterations);
+    difference(*robot_, step[i], h, q[i - 1], q[i]);
+    for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+      const Joint& joint = robot_->joints()[j];
+      const auto n = static_cast<Eigen::Index>(j);
+      const double room = std::min(q[i][7 + n] - joint.position.lo, joint.position.hi - q[i][7 + n]);
+      if (room < profile.margin.joint) return fails(Reason::joint_limit, room, profile.margin.joint, joint.name);
+      // The mean speed between two looks: if that is too much, the largest is.
+      const double speed = std::abs(step[i][6 + n]);
+      if (speed > joint.speed) return fails(Reason::joint_speed, speed, joint.speed, joint.name);
+    }
+    const double position = std::max(result.residual.sole_position, result.residual.com);
+    if (position > profile.ik.position && result.iterations == kSurveyIterations) {
+      return fails(Reason::unreachable, position, profile.ik.position, "");
+    }
+  }
+  VrpOffset offset;
+  VecX dq, ddq, force(robot_->nv());
+  for (std::size_t i = 0; i <= last; ++i) {
+    if (i == 0) {
+      dq = task.from.dq;
+      ddq = 2.0 / t[1] * (step[1] - dq);
+    } else if (i == last) {
+      dq.setZero();
+      ddq = -2.0 / (t[i] - t[i - 1]) * step[i];
+    } else {
+      const double before = t[i] - t[i - 1];
+      const double after = t[i + 1] - t[i];
+      dq = (after * step[i] + before * step[i + 1]) / (before + after);
+      ddq = 2.0 / (before + after) * (step[i + 1] - step[i]);
+    }
+    kinematics_.inverse_dynamics(q[i], dq, ddq, force);
+    const Wrench total = ground_wrench(kinematics_, force);
+    const ComState com = path.at(t[i]);
+    const Vec3 moment = total.moment_about(kinematics_.com());
+    const double lever = com.p.z() - com.v.z() + kGravity / (problem.omega * problem.omega);
+    const double f = lever / (com.p.z() - problem.plane) / total.force.z();
+    offset.times.push_back(t[i]);
+    offset.values.emplace_back(-moment.y() * f, moment.x() * f, 0.0);
+  }
+  return offset;
+}
+
+std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, Motion& motion) {
   const Profile::Ik& tolerance = robot_->profile().ik;
   const double dt = motion.period;
   const Part part = motion.goal.guided;
-  int ticks = 0;
-  for (const ContactPhase& phase : motion.phases)
-    ticks += phase.ticks;
+  const int ticks = timing.ticks();
   motion.samples.assign(static_cast<std::size_t>(ticks) + 1, {});
   std::size_t phase = 0;
   int phase_end = motion.phases[0].ticks;
@@ -112,13 +247,13 @@ std::optional<Refusal> Planner::realise(const Segment& segment, const Posture& f
     while (phase + 1 < motion.phases.size() && k >= phase_end)
       phase_end += motion.phases[++phase].ticks;
     sample.contact = motion.phases[phase].contact;
-    targets = segment.targets(motion.com, k, ticks);
+    targets = task.segment.targets(motion.com, timing, k * dt);
     const ComState com = motion.com.at(k * dt);
     sample.com = com.p;
     sample.dcom = com.dp;
     sample.sole = targets.sole;
     if (k == 0) {
-      sample.q = from.q;
+      sample.q = task.from.q;
       continue;
     }
     const VecX& previous = motion.samples[static_cast<std::size_t>(k) - 1].q;
@@ -145,25 +280,7 @@ std::optional<Refusal> Planner::realise(const Segment& segment, const Posture& f
   }
   if (hand_residual > tolerance.hand) return Refusal{Reason::unreachable, part, hand_residual, tolerance.hand, "hand"};
 
-  // Speeds and accelerations from the joint paths; before the start the robot moved as it does there, after the
-  // end it rests.
-  VecX step(robot_->nv());
-  std::vector<VecX> steps(static_cast<std::size_t>(ticks) + 2);
-  steps.front() = from.dq;
-  steps.back() = VecX::Zero(robot_->nv());
-  for (int k = 0; k < ticks; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    difference(*robot_, step, dt, motion.samples[i].q, motion.samples[i + 1].q);
-    steps[i + 1] = step;
-  }
-  for (int k = 0; k <= ticks; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    MotionSample& sample = motion.samples[i];
-    sample.dq = 0.5 * (steps[i] + steps[i + 1]);
-    sample.ddq = (steps[i + 1] - steps[i]) / dt;
-  }
-  motion.samples.front().dq = from.dq;
-  motion.samples.back().dq.setZero();
+  differentiate(*robot_, task.from.dq, motion);
 
   const Kinematics& last = ik_.kinematics();
   Posture& end = motion.end;

@@ -1,6 +1,7 @@
 /// Goal and posture → verified motion, or the reason why there is none.
 #pragma once
 
+#include "baton/plan/retrace.hpp"
 #include "baton/plan/segment.hpp"
 #include "baton/verify/verifier.hpp"
 
@@ -8,25 +9,59 @@ namespace baton {
 
 using PlanResult = std::variant<Motion, Refusal>;
 
+/// How the duration of a motion is found (docs/theory.md §4).
+enum class DurationRule {
+  paper,   ///< the first that passes of T, T + ΔT, …
+  search,  ///< the shortest that passes
+};
+
 class Planner {
  public:
   /// Robot and world must outlive the object.
-  Planner(const RobotModel& robot, const World& world);
+  Planner(const RobotModel& robot, const World& world, DurationRule rule = DurationRule::paper);
 
-  /// The paper's duration correction (docs/theory.md §4): the first of T, T + ΔT, … ≤ T_max whose motion passes
-  /// the point mass's ZMP check, inverse kinematics and verification. A failure that no longer duration mends
+  /// For one duration after another: VRP knots that keep the ZMP inside the supports; a look along the motion, which
+  /// tells the limbs' part in the ZMP; the knots again, corrected by it; inverse kinematics and verification at every
+  /// tick. What speaks against a candidate says whether a longer duration may mend it and which; what none mends
   /// (collision, joint limit, reach) ends the search. A pure function of its arguments.
   /// @param anchor planning frame in the world
   [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor);
 
+  /// The way back along an executed motion, verified again.
+  [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor);
+
  private:
-  /// A quick look along a candidate, a few postures only: what certainly fails is not worth more.
-  [[nodiscard]] std::optional<Refusal> survey(const Segment& segment, const Posture& from, const Motion& motion);
+  /// What speaks against a candidate, and the factor on its duration that may mend it; 0: none does.
+  struct Failure {
+    Refusal refusal;
+    double stretch = 0.0;
+  };
+  struct Task {
+    const Segment& segment;
+    const Posture& from;
+    const Pose& anchor;
+  };
+
+  [[nodiscard]] PlanResult by_paper(const Task& task, Motion motion);
+  [[nodiscard]] PlanResult by_search(const Task& task, Motion motion);
+
+  /// One candidate, whole.
+  [[nodiscard]] std::optional<Failure> attempt(const Task& task, const Timing& timing, Motion& motion);
+  /// Whether the point mass alone can do it.
+  [[nodiscard]] bool feasible(const Segment& segment, const Timing& timing);
+  /// Of the shares that a duration may be divided by, the preferred one with which the point mass can do it.
+  [[nodiscard]] std::optional<Timing> timing(const Segment& segment, int ticks);
+  /// A look at a candidate, a few postures only: what certainly fails is not worth more; else the limbs' part in its
+  /// ZMP.
+  [[nodiscard]] std::variant<VrpOffset, Failure> survey(const Task& task, const ComPath& path, const Timing& timing);
   /// Joint paths of a candidate; a refusal if inverse kinematics cannot follow.
-  [[nodiscard]] std::optional<Refusal> realise(const Segment& segment, const Posture& from, Motion& motion);
+  [[nodiscard]] std::optional<Refusal> realise(const Task& task, const Timing& timing, Motion& motion);
 
   const RobotModel* robot_;
+  DurationRule rule_;
+  BoundedCom com_;
   InverseKinematics ik_;
+  Kinematics kinematics_;
   Verifier verifier_;
 };
 

@@ -10,6 +10,7 @@
 namespace baton {
 namespace {
 
+constexpr int kShiftKnots = 5;         ///< intervals of the VRP in a segment of one phase
 constexpr double kLevel = 2e-3;  ///< [m] footholds nearer in height need no shaped swing
 
 constexpr double kGapReserve = 1e-3;   ///< [m]
@@ -30,11 +31,11 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
   contact_ = {both};
   std::vector<VrpKnot> knots;
   const auto wish = [&](double t, const Vec3& place, double weight) {
-    const Vec3 level = from.com + t * (goal.com - from.com);
+    const Vec3 level = from.com + t / static_cast<double>(contact_.size()) * (goal.com - from.com);
     knots.push_back({t, Vec3(place.x(), place.y(), level.z()), weight});
   };
-  // Beside the paper's knots at the borders of the phases there is one in the middle of each double support that
-  // shifts the weight: with it the ZMP need not wander farther out the longer the motion takes.
+  // Beside the paper's knots at the borders of the phases there is one in the middle of each: with it the ZMP need not
+  // wander farther out the longer the motion takes, and the shortest motion comes nearer to what is possible.
   const std::array<double, 4>& w = profile.weights;
   const Vec3 stance = goal.swing ? from.sole[other(*goal.swing)].p : from.com;
   switch (goal.kind) {
@@ -42,37 +43,38 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       shares.assign(profile.step.begin(), profile.step.end());
       contact_ = {both, only(other(*goal.swing)), both};
       wish(0.0, from.com, w[0]);
-      wish(0.5 * shares[0], from.com, w[0]);
-      wish(shares[0], stance, w[1]);
-      wish(shares[0] + shares[1], stance, w[2]);
-      wish(1.0 - 0.5 * shares[2], goal.com, w[3]);
-      wish(1.0, goal.com, w[3]);
+      wish(0.5, from.com, w[0]);
+      wish(1.0, stance, w[1]);
+      wish(1.5, stance, 0.5 * (w[1] + w[2]));
+      wish(2.0, stance, w[2]);
+      wish(2.5, goal.com, w[3]);
+      wish(3.0, goal.com, w[3]);
       break;
     case SegmentKind::lift:
       shares.assign(profile.lift.begin(), profile.lift.end());
       contact_ = {both, only(other(*goal.swing))};
       wish(0.0, from.com, w[0]);
-      wish(0.5 * shares[0], from.com, w[0]);
-      wish(shares[0], stance, w[1]);
-      wish(1.0, goal.com, w[2]);
+      wish(0.5, from.com, w[0]);
+      wish(1.0, stance, w[1]);
+      wish(1.5, stance, w[1]);
+      wish(2.0, goal.com, w[2]);
       break;
     case SegmentKind::lower:
       shares.assign(profile.lower.begin(), profile.lower.end());
       contact_ = {only(other(*goal.swing)), both};
       wish(0.0, from.com, w[1]);
-      wish(shares[0], stance, w[2]);
-      wish(1.0 - 0.5 * shares[1], goal.com, w[3]);
-      wish(1.0, goal.com, w[3]);
+      wish(0.5, stance, w[2]);
+      wish(1.0, stance, w[2]);
+      wish(1.5, goal.com, w[3]);
+      wish(2.0, goal.com, w[3]);
       break;
     case SegmentKind::air:
       contact_ = {only(other(*goal.swing))};
       [[fallthrough]];
     case SegmentKind::shift:
     case SegmentKind::reach:
-      wish(0.0, from.com, 1.0);
-      wish(1.0 / 3.0, from.com, 1.0);
-      wish(2.0 / 3.0, goal.com, 1.0);
-      wish(1.0, goal.com, 1.0);
+      for (int k = 0; k <= kShiftKnots; ++k)
+        wish(static_cast<double>(k) / kShiftKnots, 2 * k < kShiftKnots ? from.com : goal.com, 1.0);
       break;
   }
   const double plane = std::min(support_plane(from.sole, from.contact), support_plane(goal.sole, goal.contact));
@@ -103,11 +105,16 @@ double Segment::least_gap() const {
   return least;
 }
 
-std::vector<ContactPhase> Segment::phases(int ticks) const {
-  const std::vector<int> borders = phase_borders(com_.phases, ticks);
+std::optional<std::size_t> Segment::swing_phase() const {
+  if (!goal_.swing) return std::nullopt;
+  const auto up = std::find_if(contact_.begin(), contact_.end(), [&](const auto& c) { return !c[*goal_.swing]; });
+  return static_cast<std::size_t>(up - contact_.begin());
+}
+
+std::vector<ContactPhase> Segment::phases(const Timing& timing) const {
   std::vector<ContactPhase> phases;
   for (std::size_t i = 0; i < contact_.size(); ++i)
-    phases.push_back({borders[i + 1] - borders[i], contact_[i]});
+    phases.push_back({timing.border[i + 1] - timing.border[i], contact_[i]});
   return phases;
 }
 
@@ -142,25 +149,19 @@ Pose Segment::swing(double t, double duration) const {
   return pose;
 }
 
-IkTargets Segment::targets(const ComPath& path, int tick, int ticks) const {
-  const double period = path.duration() / ticks;
-  const double T = path.duration();
-  const double t = tick * period;
+IkTargets Segment::targets(const ComPath& path, const Timing& timing, double t) const {
+  const double T = timing.duration();
   IkTargets targets;
   targets.com = path.at(t).p;
   targets.sole = from_.sole;
-  if (goal_.swing) {
-    const std::vector<int> borders = phase_borders(com_.phases, ticks);
-    const Side side = *goal_.swing;
-    for (std::size_t i = 0; i < contact_.size(); ++i) {
-      if (contact_[i][side]) continue;
-      const int begin = borders[i];
-      const int end = borders[i + 1];
-      if (tick >= end) {
-        targets.sole[side] = goal_.sole[side];
-      } else if (tick > begin) {
-        targets.sole[side] = swing((tick - begin) * period, (end - begin) * period);
-      }
+  if (const std::optional<std::size_t> phase = swing_phase()) {
+    const double begin = timing.border[*phase] * timing.period;
+    const double end = timing.border[*phase + 1] * timing.period;
+    constexpr double kSame = 1e-9;  // [s]
+    if (t > end - kSame) {
+      targets.sole[*goal_.swing] = goal_.sole[*goal_.swing];
+    } else if (t > begin + kSame) {
+      targets.sole[*goal_.swing] = swing(t - begin, end - begin);
     }
   }
   const double s = smooth_step(t, T).x;

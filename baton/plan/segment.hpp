@@ -17,11 +17,13 @@ class Segment {
 
   [[nodiscard]] const ComProblem& com() const { return com_; }
 
-  /// Contact phases for a duration of `ticks`.
-  [[nodiscard]] std::vector<ContactPhase> phases(int ticks) const;
+  /// The phase in which a foot is in the air and moves; none: no foot moves.
+  [[nodiscard]] std::optional<std::size_t> swing_phase() const;
 
-  /// Targets of inverse kinematics at a tick.
-  [[nodiscard]] IkTargets targets(const ComPath& path, int tick, int ticks) const;
+  [[nodiscard]] std::vector<ContactPhase> phases(const Timing& timing) const;
+
+  /// Targets of inverse kinematics at a time [s].
+  [[nodiscard]] IkTargets targets(const ComPath& path, const Timing& timing, double t) const;
 
  private:
   /// The swing foot at `t` of a swing that takes `duration` [s].

@@ -31,6 +31,10 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+Timing timing_of(const ComProblem& problem, int ticks) {
+  return timing_by_shares(problem.phases, ticks, kPeriod);
+}
+
 /// A segment of one to three phases, from any moving start to any goal nearby; knots at the borders, and
 /// sometimes within a phase.
 ComProblem random_problem(Random& random) {
@@ -44,16 +48,15 @@ ComProblem random_problem(Random& random) {
   for (int i = 0; i < phases; ++i)
     shares.push_back(random.real(0.1, 1.0));
   const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
-  double t = 0.0;
+  double place = 0.0;
   const auto knot = [&](double at) {
     problem.knots.push_back({at, problem.p0 + random.vec(0.1), random.real(0.2, 5.0)});
   };
   knot(0.0);
   for (const double share : shares) {
     problem.phases.push_back({share / sum, rectangle({-0.3, -0.3}, {0.3, 0.3})});
-    if (random.integer(0, 1) == 1) knot(t + 0.5 * share / sum);
-    t += share / sum;
-    knot(std::min(t, 1.0));
+    if (random.integer(0, 1) == 1) knot(place + 0.5);
+    knot(place += 1.0);
   }
   return problem;
 }
@@ -63,7 +66,7 @@ TEST(ComPlan, MeetsItsBoundaryConditionsAndTheEquationOfMotion) {
   for (int trial = 0; trial < 3000; ++trial) {
     const ComProblem problem = random_problem(random);
     const int ticks = random.integer(60, 400);
-    const ComPath path = com_path(problem, ticks, kPeriod);
+    const ComPath path = com_path(problem, timing_of(problem, ticks));
     const double T = path.duration();
     ASSERT_NEAR(T, ticks * kPeriod, 1e-12);
     const ComState start = path.at(0.0);
@@ -111,7 +114,7 @@ TEST(ComPlan, KnotsAreTheNearestToTheirWishesThatReachTheGoal) {
   for (int trial = 0; trial < 1000; ++trial) {
     ComProblem problem = random_problem(random);
     const int ticks = random.integer(60, 200);
-    const ComPath path = com_path(problem, ticks, kPeriod);
+    const ComPath path = com_path(problem, timing_of(problem, ticks));
     const std::size_t n = path.knots().size();
     // The two boundary rows by superposition: what a unit change of each knot does to the end.
     const auto ends = [&](const std::vector<Vec3>& knots) -> Eigen::Vector2d {
@@ -144,7 +147,7 @@ TEST(ComPlan, AHeavierWishIsHeldBetter) {
     ComProblem problem = random_problem(random);
     if (problem.knots.size() < 3) continue;
     const auto k = static_cast<std::size_t>(random.integer(0, static_cast<int>(problem.knots.size()) - 1));
-    const auto miss = [&] { return (com_path(problem, 120, kPeriod).knots()[k] - problem.knots[k].wish).norm(); };
+    const auto miss = [&] { return (com_path(problem, timing_of(problem, 120)).knots()[k] - problem.knots[k].wish).norm(); };
     const double before = miss();
     problem.knots[k].weight *= 10.0;
     ASSERT_LE(miss(), before + 1e-12);
@@ -190,7 +193,7 @@ TEST(ComPlan, PhaseBordersFillTheDuration) {
     for (SupportPhase& phase : phases)
       phase.share /= sum;
     const int ticks = random.integer(static_cast<int>(phases.size()), 300);
-    const std::vector<int> borders = phase_borders(phases, ticks);
+    const std::vector<int> borders = timing_by_shares(phases, ticks, kPeriod).border;
     ASSERT_EQ(borders.size(), phases.size() + 1);
     ASSERT_EQ(borders.front(), 0);
     ASSERT_EQ(borders.back(), ticks);
@@ -214,7 +217,7 @@ ComProblem step_problem(double left, double right, double landing, double height
   problem.goal = {0, 0.5 * (left + landing), height};
   problem.phases = {{0.20, soles(left, right)}, {0.36, soles(left, left)}, {0.44, soles(left, landing)}};
   const Vec3 stance(0, left, height);
-  problem.knots = {{0.0, problem.p0, 1.0}, {0.20, stance, 1.0}, {0.56, stance, 1.0}, {1.0, problem.goal, 1.0}};
+  problem.knots = {{0.0, problem.p0, 1.0}, {1.0, stance, 1.0}, {2.0, stance, 1.0}, {3.0, problem.goal, 1.0}};
   return problem;
 }
 
@@ -227,17 +230,17 @@ void expect_knots(const ComPath& path, const std::array<double, 4>& y) {
 TEST(ComPlan, GivesTheNumbersOfTheTheory) {
   const ComPlan first = correct_duration(step_problem(0.042, -0.042, -0.072), 0.5, 0.1, 3.0, kPeriod);
   ASSERT_TRUE(first.feasible);
-  EXPECT_EQ(first.ticks, 100);
+  EXPECT_EQ(first.timing.ticks(), 100);
   EXPECT_EQ(first.tried, 1);
   expect_knots(first.path, {-0.0160, 0.0122, 0.0078, -0.0418});
 
   const ComProblem second = step_problem(0.042, -0.072, -0.102);
-  const ComPath hasty = com_path(second, 100, kPeriod);
+  const ComPath hasty = com_path(second, timing_of(second, 100));
   expect_knots(hasty, {-0.0384, -0.0007, -0.0018, -0.0617});
-  EXPECT_LT(zmp_margin(second, hasty, kPeriod).margin, -0.006);
+  EXPECT_LT(zmp_margin(second, hasty, timing_of(second, 100)).margin, -0.006);
   const ComPlan corrected = correct_duration(second, 0.5, 0.1, 3.0, kPeriod);
   ASSERT_TRUE(corrected.feasible);
-  EXPECT_EQ(corrected.ticks, 200);
+  EXPECT_EQ(corrected.timing.ticks(), 200);
   EXPECT_EQ(corrected.tried, 6);
   expect_knots(corrected.path, {-0.0468, 0.0068, 0.0215, -0.0563});
 }
@@ -253,9 +256,9 @@ TEST(ComPlan, TheMarginIsTheLeastOfADenseSearch) {
       problem.dp0 *= 4.0;
     }
     const int ticks = random.integer(80, 300);
-    const ComPath path = com_path(problem, ticks, kPeriod);
-    const std::vector<int> borders = phase_borders(problem.phases, ticks);
-    const ZmpMargin found = zmp_margin(problem, path, kPeriod);
+    const ComPath path = com_path(problem, timing_of(problem, ticks));
+    const std::vector<int> borders = timing_of(problem, ticks).border;
+    const ZmpMargin found = zmp_margin(problem, path, timing_of(problem, ticks));
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < problem.phases.size(); ++i) {
       const double from = borders[i] * kPeriod;
@@ -283,15 +286,16 @@ TEST(ComPlan, TheDurationIsTheFirstThatFits) {
     ASSERT_GE(plan.tried, 1);
     const auto fits = [&](int tries) {
       const int ticks = static_cast<int>(std::lround((0.5 + 0.1 * (tries - 1)) / kPeriod));
-      return zmp_margin(problem, com_path(problem, ticks, kPeriod), kPeriod).margin >= problem.margin;
+      const Timing timing = timing_of(problem, ticks);
+      return zmp_margin(problem, com_path(problem, timing), timing).margin >= problem.margin;
     };
     for (int k = 1; k < plan.tried; ++k)
       ASSERT_FALSE(fits(k));
     ASSERT_EQ(plan.feasible, fits(plan.tried));
-    ASSERT_EQ(plan.ticks, static_cast<int>(std::lround((0.5 + 0.1 * (plan.tried - 1)) / kPeriod)));
-    ASSERT_LE(plan.ticks * kPeriod, last + 1e-6);
+    ASSERT_EQ(plan.timing.ticks(), static_cast<int>(std::lround((0.5 + 0.1 * (plan.tried - 1)) / kPeriod)));
+    ASSERT_LE(plan.timing.ticks() * kPeriod, last + 1e-6);
     if (!plan.feasible) {
-      ASSERT_GT(plan.ticks * kPeriod, last - 0.1 - 1e-6);
+      ASSERT_GT(plan.timing.ticks() * kPeriod, last - 0.1 - 1e-6);
     }
     found += plan.feasible ? 1 : 0;
     given_up += plan.feasible ? 0 : 1;
