@@ -9,12 +9,18 @@
 namespace baton {
 namespace {
 
-constexpr int kSurveyed = 48;           ///< postures that a survey looks at, about
-constexpr double kSurveySpacing = 0.01;  ///< but none nearer to each other than this [s]
+constexpr int kSurveyed = 24;           ///< postures that a survey looks at, about
+constexpr double kSurveySpacing = 0.02;  ///< but none nearer to each other than this [s]
+constexpr int kSwingSurveyed = 20;      ///< the same while a foot swings
 constexpr int kSurveyIterations = 12;   ///< of inverse kinematics for each
+constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
+constexpr double kRoughly = 1.05;       ///< a survey's torques are not exact
 constexpr int kCorrections = 2;         ///< by the limbs' part in the ZMP
-constexpr int kMostAttempts = 10;       ///< of the search for the shortest duration
-constexpr double kResolution = 0.04;    ///< of that duration, relative
+// The search for the shortest duration.
+constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
+constexpr int kHalvings = 3;          ///< of the way back to the one that failed
+constexpr double kResolution = 0.04;  ///< relative, at which that is given up
+constexpr int kMostFinishes = 5;      ///< durations that are worked out whole
 
 /// The factor on the duration that may mend it: speeds go with 1/T, accelerations with 1/T².
 double stretch_for(const Refusal& refusal) {
@@ -35,7 +41,7 @@ double stretch_for(const Refusal& refusal) {
 }  // namespace
 
 Planner::Planner(const RobotModel& robot, const World& world, DurationRule rule)
-    : robot_(&robot), rule_(rule), ik_(robot), kinematics_(robot), verifier_(robot, world) {}
+    : robot_(&robot), rule_(rule), ik_(robot), coarse_(robot, kCoarse), kinematics_(robot), verifier_(robot, world) {}
 
 PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor) {
   if (!goal.com.allFinite() || !goal.trunk.allFinite()) return Refusal{Reason::not_finite, goal.guided, 0, 0, ""};
@@ -43,18 +49,20 @@ PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anch
   Motion motion;
   motion.period = robot_->profile().tick.period;
   motion.goal = goal;
-  const Task task{segment, from, anchor};
+  Task task{segment, from, anchor};
   return rule_ == DurationRule::paper ? by_paper(task, std::move(motion)) : by_search(task, std::move(motion));
 }
 
-PlanResult Planner::by_paper(const Task& task, Motion motion) {
+PlanResult Planner::by_paper(Task& task, Motion motion) {
   const Profile::Duration& duration = robot_->profile().duration;
   std::optional<Failure> failure;
   double certain = 0.0;  // no duration below is worth a try
   for (double T = duration.first; T <= duration.max + 1e-9; T += duration.step) {
     if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / motion.period));
-    failure = attempt(task, timing_by_shares(task.segment.com().phases, ticks, motion.period), motion);
+    const Timing timing = timing_by_shares(task.segment.com().phases, ticks, motion.period);
+    failure = look(task, timing, motion);
+    if (!failure) failure = finish(task, timing, motion);
     if (!failure) return motion;
     if (failure->stretch == 0.0) break;
     if (failure->refusal.reason == Reason::joint_speed) certain = std::min(failure->stretch * T, duration.max);
@@ -89,7 +97,7 @@ std::optional<Timing> Planner::timing(const Segment& segment, int ticks) {
   return feasible(segment, timing) ? std::optional(timing) : std::nullopt;
 }
 
-PlanResult Planner::by_search(const Task& task, Motion motion) {
+PlanResult Planner::by_search(Task& task, Motion motion) {
   const Profile& profile = robot_->profile();
   const auto in_ticks = [&](double t) { return static_cast<int>(std::lround(t / motion.period)); };
   const int longest = in_ticks(profile.duration.max);
@@ -105,26 +113,32 @@ PlanResult Planner::by_search(const Task& task, Motion motion) {
     const int middle = (ticks + failed) / 2;
     (timing(task.segment, middle) ? ticks : failed) = middle;
   }
-  std::optional<Motion> best;
-  Refusal refusal;
-  for (int k = 0; k < kMostAttempts; ++k) {
-    const std::optional<Timing> candidate = timing(task.segment, ticks);
-    std::optional<Failure> failure;
-    if (candidate) failure = attempt(task, *candidate, motion);
-    if (candidate && !failure) {
-      best = motion;
-    } else {
-      if (failure) refusal = failure->refusal;
-      if (failure && failure->stretch == 0.0) break;
-      failed = ticks;
-    }
-    if (best && best->ticks() - failed <= kResolution * best->ticks()) break;
-    if (!best && failed == longest) break;
-    const double stretch = failure ? failure->stretch : 1.05;
-    ticks = best ? (best->ticks() + failed) / 2 : std::min(longest, static_cast<int>(std::ceil(failed * stretch)));
+  // Longer until a look along it finds nothing against it, and back halfway to what failed.
+  std::optional<Timing> found;
+  const auto looks_good = [&](int duration) -> std::optional<Failure> {
+    found = timing(task.segment, duration);
+    if (!found) return Failure{{Reason::zmp, motion.goal.guided, 0, task.segment.com().margin, ""}, kGrowth};
+    return look(task, *found, motion);
+  };
+  const auto longer = [&](double stretch) { return std::min(longest, static_cast<int>(std::ceil(ticks * stretch))); };
+  while (const std::optional<Failure> failure = looks_good(ticks)) {
+    if (failure->stretch == 0.0 || ticks == longest) return failure->refusal;
+    failed = ticks;
+    ticks = longer(std::max(failure->stretch, kGrowth));
   }
-  if (best) return std::move(*best);
-  return refusal;
+  for (int k = 0; k < kHalvings && ticks - failed > kResolution * ticks; ++k) {
+    const int middle = (ticks + failed) / 2;
+    (looks_good(middle) ? failed : ticks) = middle;
+  }
+  std::optional<Failure> failure;
+  for (int k = 0; k < kMostFinishes; ++k) {
+    failure = looks_good(ticks);
+    if (!failure) failure = finish(task, *found, motion);
+    if (!failure) return motion;
+    if (failure->stretch == 0.0 || ticks == longest) break;
+    ticks = longer(std::max(failure->stretch, 1.0 + kResolution));
+  }
+  return failure->refusal;
 }
 
 PlanResult Planner::retrace(const Trail& trail, const Pose& anchor) {
@@ -136,12 +150,16 @@ PlanResult Planner::retrace(const Trail& trail, const Pose& anchor) {
   return motion;
 }
 
-std::optional<Planner::Failure> Planner::attempt(const Task& task, const Timing& timing, Motion& motion) {
+Planner::Failure Planner::judged(Refusal refusal, const Motion& motion) {
+  if (refusal.part == Part::trunk) refusal.part = motion.goal.guided;
+  const double stretch = stretch_for(refusal);
+  return {std::move(refusal), stretch};
+}
+
+std::optional<Planner::Failure> Planner::look(Task& task, const Timing& timing, Motion& motion) {
   ++motion.durations_tried;
   const auto failure = [&](Refusal refusal) {
-    if (refusal.part == Part::trunk) refusal.part = motion.goal.guided;
-    const double stretch = stretch_for(refusal);
-    return Failure{std::move(refusal), stretch};
+    return judged(std::move(refusal), motion);
   };
   const ComProblem& problem = task.segment.com();
   VrpOffset offset;
@@ -157,16 +175,20 @@ std::optional<Planner::Failure> Planner::attempt(const Task& task, const Timing&
     if (auto* failed = std::get_if<Failure>(&looked)) return failure(failed->refusal);
     offset = std::move(std::get<VrpOffset>(looked));
   }
+  return std::nullopt;
+}
+
+std::optional<Planner::Failure> Planner::finish(Task& task, const Timing& timing, Motion& motion) {
   motion.phases = task.segment.phases(timing);
-  if (const std::optional<Refusal> refusal = realise(task, timing, motion)) return failure(*refusal);
+  if (std::optional<Refusal> refusal = realise(task, timing, motion)) return judged(*std::move(refusal), motion);
   auto verdict = verifier_.verify(motion, task.anchor);
-  if (const auto* refusal = std::get_if<Refusal>(&verdict)) return failure(*refusal);
+  if (auto* refusal = std::get_if<Refusal>(&verdict)) return judged(std::move(*refusal), motion);
   motion.certificate = std::get<Certificate>(verdict);
   motion.rest = resting(*robot_, motion.end);
   return std::nullopt;
 }
 
-std::variant<VrpOffset, Planner::Failure> Planner::survey(const Task& task, const ComPath& path, const Timing& timing) {
+std::variant<VrpOffset, Planner::Failure> Planner::survey(Task& task, const ComPath& path, const Timing& timing) {
   const Profile& profile = robot_->profile();
   const ComProblem& problem = task.segment.com();
   const auto fails = [](Reason reason, double value, double limit, const std::string& where) {
@@ -177,18 +199,22 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(const Task& task, cons
   for (std::size_t i = 0; i + 1 < timing.border.size(); ++i) {
     const double begin = timing.border[i] * timing.period;
     const double end = timing.border[i + 1] * timing.period;
-    const int parts = std::max(2, static_cast<int>(std::lround((end - begin) / spacing)));
+    const bool swings = task.segment.swing_phase() == i;  // there accelerations change most quickly
+    const int parts = swings ? kSwingSurveyed : std::max(2, static_cast<int>(std::lround((end - begin) / spacing)));
     for (int k = 1; k <= parts; ++k)
       t.push_back(begin + (end - begin) * k / parts);
   }
   const std::size_t last = t.size() - 1;
+  const bool again = task.looked.size() == t.size();
   std::vector<VecX> q(t.size(), task.from.q);
   std::vector<VecX> step(t.size() + 1, VecX::Zero(robot_->nv()));  // velocity between postures i − 1 and i
+  std::optional<Failure> hasty;  // what asks for more time, most of all
+  double worst = 1.0;
   for (std::size_t i = 1; i <= last; ++i) {
     const double h = t[i] - t[i - 1];
-    q[i] = q[i - 1];
-    if (i > 1) integrate(*robot_, q[i], step[i - 1], h);
-    const IkResult result = ik_.solve(task.segment.targets(path, timing, t[i]), q[i - 1],
+    q[i] = again ? task.looked[i] : q[i - 1];
+    if (!again && i > 1) integrate(*robot_, q[i], step[i - 1], h);
+    const IkResult result = coarse_.solve(task.segment.targets(path, timing, t[i]), q[i - 1],
                                       std::numeric_limits<double>::infinity(), q[i], kSurveyIterations);
     difference(*robot_, step[i], h, q[i - 1], q[i]);
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
@@ -198,15 +224,20 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(const Task& task, cons
       if (room < profile.margin.joint) return fails(Reason::joint_limit, room, profile.margin.joint, joint.name);
       // The mean speed between two looks: if that is too much, the largest is.
       const double speed = std::abs(step[i][6 + n]);
-      if (speed > joint.speed) return fails(Reason::joint_speed, speed, joint.speed, joint.name);
+      if (speed > worst * joint.speed) {
+        worst = speed / joint.speed;
+        hasty = fails(Reason::joint_speed, speed, joint.speed, joint.name);
+      }
     }
     const double position = std::max(result.residual.sole_position, result.residual.com);
     if (position > profile.ik.position && result.iterations == kSurveyIterations) {
       return fails(Reason::unreachable, position, profile.ik.position, "");
     }
   }
+  if (hasty) return *hasty;
+  worst = 0.0;
   VrpOffset offset;
-  VecX dq, ddq, force(robot_->nv());
+  VecX dq, ddq, tau, force(robot_->nv());
   for (std::size_t i = 0; i <= last; ++i) {
     if (i == 0) {
       dq = task.from.dq;
@@ -222,6 +253,18 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(const Task& task, cons
     }
     kinematics_.inverse_dynamics(q[i], dq, ddq, force);
     const Wrench total = ground_wrench(kinematics_, force);
+    const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
+    joint_torques(kinematics_, force, share_wrench(*robot_, sole, task.segment.contact(timing, t[i]), total),
+                  tau);
+    for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+      const Joint& joint = robot_->joints()[j];
+      const auto n = static_cast<Eigen::Index>(j);
+      const double load = joint.motor.load(tau[n], dq[6 + n]);
+      if (load > std::max(kRoughly * profile.margin.torque, worst)) {
+        worst = load;
+        hasty = fails(Reason::joint_torque, load, profile.margin.torque, joint.name);
+      }
+    }
     const ComState com = path.at(t[i]);
     const Vec3 moment = total.moment_about(kinematics_.com());
     const double lever = com.p.z() - com.v.z() + kGravity / (problem.omega * problem.omega);
@@ -229,6 +272,8 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(const Task& task, cons
     offset.times.push_back(t[i]);
     offset.values.emplace_back(-moment.y() * f, moment.x() * f, 0.0);
   }
+  task.looked = std::move(q);
+  if (hasty) return *hasty;
   return offset;
 }
 

@@ -40,20 +40,24 @@ class Planner {
     const Segment& segment;
     const Posture& from;
     const Pose& anchor;
+    std::vector<VecX> looked{};  ///< postures of the last survey: where the next one starts from
   };
 
-  [[nodiscard]] PlanResult by_paper(const Task& task, Motion motion);
-  [[nodiscard]] PlanResult by_search(const Task& task, Motion motion);
+  [[nodiscard]] PlanResult by_paper(Task& task, Motion motion);
+  [[nodiscard]] PlanResult by_search(Task& task, Motion motion);
 
-  /// One candidate, whole.
-  [[nodiscard]] std::optional<Failure> attempt(const Task& task, const Timing& timing, Motion& motion);
+  [[nodiscard]] static Failure judged(Refusal refusal, const Motion& motion);
+  /// The COM of a candidate and a look along it.
+  [[nodiscard]] std::optional<Failure> look(Task& task, const Timing& timing, Motion& motion);
+  /// The same candidate worked out and verified at every tick.
+  [[nodiscard]] std::optional<Failure> finish(Task& task, const Timing& timing, Motion& motion);
   /// Whether the point mass alone can do it.
   [[nodiscard]] bool feasible(const Segment& segment, const Timing& timing);
   /// Of the shares that a duration may be divided by, the preferred one with which the point mass can do it.
   [[nodiscard]] std::optional<Timing> timing(const Segment& segment, int ticks);
   /// A look at a candidate, a few postures only: what certainly fails is not worth more; else the limbs' part in its
   /// ZMP.
-  [[nodiscard]] std::variant<VrpOffset, Failure> survey(const Task& task, const ComPath& path, const Timing& timing);
+  [[nodiscard]] std::variant<VrpOffset, Failure> survey(Task& task, const ComPath& path, const Timing& timing);
   /// Joint paths of a candidate; a refusal if inverse kinematics cannot follow.
   [[nodiscard]] std::optional<Refusal> realise(const Task& task, const Timing& timing, Motion& motion);
 
@@ -61,6 +65,7 @@ class Planner {
   DurationRule rule_;
   BoundedCom com_;
   InverseKinematics ik_;
+  InverseKinematics coarse_;  ///< for surveys
   Kinematics kinematics_;
   Verifier verifier_;
 };

@@ -111,6 +111,13 @@ std::optional<std::size_t> Segment::swing_phase() const {
   return static_cast<std::size_t>(up - contact_.begin());
 }
 
+BySide<bool> Segment::contact(const Timing& timing, double t) const {
+  std::size_t phase = 0;
+  while (phase + 1 < contact_.size() && t > timing.border[phase + 1] * timing.period - 1e-9)
+    ++phase;
+  return contact_[phase];
+}
+
 std::vector<ContactPhase> Segment::phases(const Timing& timing) const {
   std::vector<ContactPhase> phases;
   for (std::size_t i = 0; i < contact_.size(); ++i)

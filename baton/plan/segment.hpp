@@ -20,6 +20,9 @@ class Segment {
   /// The phase in which a foot is in the air and moves; none: no foot moves.
   [[nodiscard]] std::optional<std::size_t> swing_phase() const;
 
+  /// Which soles stand at a time [s]; where two phases meet, the later one counts.
+  [[nodiscard]] BySide<bool> contact(const Timing& timing, double t) const;
+
   [[nodiscard]] std::vector<ContactPhase> phases(const Timing& timing) const;
 
   /// Targets of inverse kinematics at a time [s].

@@ -22,6 +22,12 @@ bool has_upper_limit(Reason quantity) {
   }
 }
 
+/// Whether more time can mend it.
+bool mends(Reason quantity) {
+  return quantity == Reason::zmp || quantity == Reason::joint_speed || quantity == Reason::joint_torque ||
+         quantity == Reason::friction;
+}
+
 bool is_finite(const MotionSample& sample) {
   const auto pose = [](const Pose& x) { return x.p.allFinite() && x.R.allFinite(); };
   return sample.q.allFinite() && sample.dq.allFinite() && sample.ddq.allFinite() && sample.com.allFinite() &&
@@ -30,7 +36,8 @@ bool is_finite(const MotionSample& sample) {
 
 }  // namespace
 
-/// Keeps the worst value of each quantity, and the first violation.
+/// Keeps the worst value of each quantity, and the first violation; one that a longer duration may mend gives way to one
+/// that none does.
 class Verifier::Ledger {
  public:
   /// Returns false from the first violation on.
@@ -38,7 +45,7 @@ class Verifier::Ledger {
     const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
-    if (!(slack >= 0.0) && !violation_) violation_ = quantity;
+    if (!(slack >= 0.0) && (!violation_ || (mends(*violation_) && !mends(quantity)))) violation_ = quantity;
     return !violation_;
   }
 
@@ -156,8 +163,8 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     return fmt::format("{} and {}", name_of(robot_->mj(), mjOBJ_GEOM, subject / n),
                        name_of(robot_->mj(), mjOBJ_GEOM, subject % n));
   };
-  // What is cheap first: most candidates that fail, fail here.
-  for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
+  // What is cheap first, and to the end: how far a speed is off says how much longer the motion must take.
+  for (int k = 0; k <= motion.ticks(); ++k) {
     const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     if (!is_finite(sample)) return Refusal{Reason::not_finite, Part::trunk, 0, 0, ""};
     check_joints(sample, k * motion.period, ledger);
