@@ -194,6 +194,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.margin.joint = read.number("margin.joint", 0, 0.5);
   p.margin.speed = read.positive("margin.speed", 1);
   p.margin.torque = read.positive("margin.torque", 1);
+  p.margin.acceleration = read.positive("margin.acceleration", 1e5);
   p.margin.friction = read.positive("margin.friction", 2);
   p.margin.self_collision = read.number("margin.self_collision", 0, 0.2);
   p.margin.edge = read.number("margin.edge", 0, 0.2);

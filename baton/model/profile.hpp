@@ -93,6 +93,7 @@ struct Profile {
     double joint = 0.0;           ///< from position limits [rad]
     double speed = 0.0;           ///< largest share of the no-load speed
     double torque = 0.0;          ///< largest share of the stall torque
+    double acceleration = 0.0;    ///< largest of a joint [rad/s²]
     double friction = 0.0;        ///< largest tangential over normal force
     double self_collision = 0.0;  ///< least distance of two links [m]
     double edge = 0.0;            ///< least distance of a sole from an edge of the ground [m]

@@ -27,8 +27,10 @@ enum class Reason {
   unreachable,     ///< inverse kinematics leaves a residual on feet or COM [m or rad]
   joint_limit,     ///< joint nearer to a position limit than the margin [rad]
   joint_speed,     ///< joint speed over its limit [rad/s]
+  joint_acceleration,  ///< the same [rad/s²]
   joint_torque,    ///< share of the stall torque over its limit [-]
   friction,        ///< tangential over normal contact force [-]
+  contact_wrench,  ///< share of the weight that no forces at the soles' vertices give [-]
   self_collision,  ///< links closer than allowed [m]
   obstacle,        ///< link nearer to something in the world than allowed [m]
   swing_ground,    ///< swing sole would touch the ground on its way [m]
@@ -40,9 +42,24 @@ inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_fin
 [[nodiscard]] constexpr std::string_view to_string(Reason reason) {
   constexpr std::array<std::string_view, kReasons> names{
       "foot_region",    "foot_yaw", "sole_gap",     "ground",      "com_height",  "trunk_inclination", "no_progress",
-      "no_landing", "no_history",     "zmp",      "unreachable",  "joint_limit", "joint_speed", "joint_torque",      "friction",
+      "no_landing", "no_history",     "zmp",      "unreachable",  "joint_limit", "joint_speed", "joint_acceleration", "joint_torque",      "friction", "contact_wrench",
       "self_collision", "obstacle", "swing_ground", "not_finite"};
   return names[static_cast<std::size_t>(reason)];
+}
+
+/// Whether a longer duration may mend it.
+[[nodiscard]] constexpr bool mends_with_time(Reason reason) {
+  switch (reason) {
+    case Reason::zmp:
+    case Reason::joint_speed:
+    case Reason::joint_acceleration:
+    case Reason::joint_torque:
+    case Reason::friction:
+    case Reason::contact_wrench:
+      return true;
+    default:
+      return false;
+  }
 }
 
 /// A command that has no verified motion.

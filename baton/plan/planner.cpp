@@ -28,13 +28,12 @@ double stretch_for(const Refusal& refusal) {
   switch (refusal.reason) {
     case Reason::joint_speed:
       return std::clamp(excess, 1.03, 2.0);
+    case Reason::joint_acceleration:
     case Reason::joint_torque:
     case Reason::friction:
       return std::clamp(std::sqrt(excess), 1.05, 1.5);
-    case Reason::zmp:
-      return 1.08;
     default:
-      return 0.0;
+      return mends_with_time(refusal.reason) ? 1.08 : 0.0;
   }
 }
 

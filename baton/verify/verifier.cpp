@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace baton {
 namespace {
+
+constexpr double kMissing = 1e-3;        ///< share of the weight that vertex forces may leave, a rounding
+constexpr double kForcesSpacing = 0.02;  ///< between instants at which they are sought [s]
 
 /// Whether a quantity is bounded from above (or from below).
 bool has_upper_limit(Reason quantity) {
@@ -20,12 +24,6 @@ bool has_upper_limit(Reason quantity) {
     default:
       return true;
   }
-}
-
-/// Whether more time can mend it.
-bool mends(Reason quantity) {
-  return quantity == Reason::zmp || quantity == Reason::joint_speed || quantity == Reason::joint_torque ||
-         quantity == Reason::friction;
 }
 
 bool is_finite(const MotionSample& sample) {
@@ -45,7 +43,7 @@ class Verifier::Ledger {
     const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
-    if (!(slack >= 0.0) && (!violation_ || (mends(*violation_) && !mends(quantity)))) violation_ = quantity;
+    if (!(slack >= 0.0) && (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity)))) violation_ = quantity;
     return !violation_;
   }
 
@@ -81,10 +79,21 @@ class Verifier::Ledger {
 };
 
 Verifier::Verifier(const RobotModel& robot, const World& world)
-    : robot_(&robot), world_(&world), kinematics_(robot), obstacles_(robot, world), tau_(VecX::Zero(robot.nv() - 6)) {}
+    : robot_(&robot), world_(&world), kinematics_(robot), forces_(robot), obstacles_(robot, world), tau_(VecX::Zero(robot.nv() - 6)) {
+  const mjModel& m = robot.mj();
+  forces_every_ = std::max(1, static_cast<int>(kForcesSpacing / robot.profile().tick.period + 1e-9));
+  links_.resize(static_cast<std::size_t>(m.nbody) - 1);
+  extent_.assign(links_.size(), 0.0);
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (m.geom_bodyid[g] == 0) continue;
+    double& extent = extent_[static_cast<std::size_t>(m.geom_bodyid[g]) - 1];
+    extent = std::max(extent, Eigen::Map<const Vec3>(m.geom_pos + 3 * g).norm() + m.geom_rbound[g]);
+  }
+}
 
 void Verifier::check_joints(const MotionSample& sample, double t, Ledger& ledger) const {
   const double margin = robot_->profile().margin.joint;
+  const double most = robot_->profile().margin.acceleration;
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
     const Joint& joint = robot_->joints()[j];
     const auto i = static_cast<Eigen::Index>(j);
@@ -93,6 +102,7 @@ void Verifier::check_joints(const MotionSample& sample, double t, Ledger& ledger
     const auto subject = static_cast<int>(j);
     ledger.enter(Reason::joint_limit, Part::trunk, room, margin, t, subject);
     ledger.enter(Reason::joint_speed, Part::trunk, std::abs(sample.dq[6 + i]), joint.speed, t, subject);
+    ledger.enter(Reason::joint_acceleration, Part::trunk, std::abs(sample.ddq[6 + i]), most, t, subject);
   }
 }
 
@@ -109,12 +119,31 @@ void Verifier::check_wrench(const Motion& motion, int tick, double t, Ledger& le
   const ConvexPolygon support = support_polygon(*robot_, sample.sole, contact, sample.com, sample.zmp_height);
   ledger.enter(Reason::zmp, Part::trunk, support.margin(sample.zmp), margin.zmp_verify, t, -1);
   ledger.enter(Reason::friction, Part::trunk, total.force.head<2>().norm() / total.force.z(), margin.friction, t, -1);
+  if (tick % forces_every_ == 0) {
+    const double missing = forces_.missing(sample.sole, contact, total, sample.com);
+    ledger.enter(Reason::contact_wrench, Part::trunk, missing, kMissing, t, -1);
+  }
   joint_torques(kinematics_, sample.force, share_wrench(*robot_, sample.sole, sample.contact, total), tau_);
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     const double load = robot_->joints()[j].motor.load(tau_[i], sample.dq[6 + i]);
     ledger.enter(Reason::joint_torque, Part::trunk, load, margin.torque, t, static_cast<int>(j));
   }
+}
+
+void Verifier::check_tracking(const MotionSample& sample, double t, Ledger& ledger) {
+  const Profile::Ik& ik = robot_->profile().ik;
+  double position = (kinematics_.com() - sample.com).norm();
+  double rotation = 0.0;
+  for (const Side side : kSides) {
+    const Pose sole = kinematics_.sole(side);
+    position = std::max(position, (sole.p - sample.sole[side].p).norm());
+    rotation = std::max(rotation, rotation_error(sample.sole[side].R, sole.R).norm());
+  }
+  // One scale for both: the tolerance of each counts as 1.
+  constexpr double kRounding = 1.01;
+  const double residual = std::max(position / ik.position, rotation / ik.rotation);
+  ledger.enter(Reason::unreachable, Part::trunk, residual * ik.position, kRounding * ik.position, t, -1);
 }
 
 void Verifier::check_soles(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) const {
@@ -130,24 +159,70 @@ void Verifier::check_soles(const MotionSample& sample, const Pose& anchor, doubl
   ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, kContact, t, -1);
 }
 
-void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) {
+void Verifier::check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const {
+  // The soles that stand at the start stand already; what lands must find ground.
+  const Profile& profile = robot_->profile();
+  std::size_t tick = 0;
+  for (std::size_t i = 1; i < motion.phases.size(); ++i) {
+    tick += static_cast<std::size_t>(motion.phases[i - 1].ticks);
+    for (const Side side : kSides) {
+      if (!motion.phases[i].contact[side] || motion.phases[i - 1].contact[side]) continue;
+      const Pose sole = anchor * motion.samples[tick].sole[side];
+      const Foothold foothold =
+          world_->foothold(sole_outline(*robot_, side, sole), profile.ground, profile.margin.edge);
+      const double off = foothold.flat ? std::abs(sole.p.z() - foothold.height)
+                                       : std::max(foothold.deviation, 2.0 * profile.ground.flatness);
+      ledger.enter(Reason::ground, foot(side), off, profile.ground.flatness,
+                   static_cast<double>(tick) * motion.period, -1);
+    }
+  }
+}
+
+double Verifier::travel() {
+  double most = 0.0;
+  for (std::size_t b = 0; b < links_.size(); ++b) {
+    const Pose now = kinematics_.body(static_cast<int>(b) + 1);
+    const double moved = (now.p - links_[b].p).norm() + extent_[b] * (now.R - links_[b].R).norm();
+    most = std::max(most, moved);
+    links_[b] = now;
+  }
+  return most;
+}
+
+void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, bool first, double t, Ledger& ledger) {
   const Profile::Margin& margin = robot_->profile().margin;
-  const double near = 4.0 * margin.self_collision + 0.01;  // distances beyond are not measured
+  const double near = 4.0 * margin.self_collision + 0.01;  // distances beyond are not told apart
   const auto subject = [](const std::array<int, 2>& pair, int geoms) {
     return pair[0] < 0 ? -1 : pair[0] * geoms + pair[1];
   };
-  std::array<int, 2> pair{-1, -1};
-  double distance = kinematics_.self_distance(near, &pair);
-  ledger.enter(Reason::self_collision, Part::trunk, distance, margin.self_collision, t,
-               subject(pair, robot_->mj().ngeom));
-  in_world_ = sample.q;
-  const Pose root = anchor * kinematics_.body(1);
-  const Eigen::Quaterniond attitude(root.R);
-  in_world_.head<3>() = root.p;
-  in_world_.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
-  pair = {-1, -1};
-  distance = obstacles_.distance(in_world_, near, pair);
-  ledger.enter(Reason::obstacle, Part::trunk, distance, margin.self_collision, t, subject(pair, obstacles_.geoms()));
+  // Nothing comes nearer than by what the links travel: while that cannot make it the nearest so far, a distance is
+  // not measured again.
+  const double moved = travel();
+  const auto due = [first](Gap& gap, double approach) {
+    if (first) gap = {};
+    gap.room -= approach;
+    return first || gap.room < gap.least;
+  };
+  const auto enter = [&](Gap& gap, Reason reason, double distance, int pair) {
+    gap.room = distance;
+    gap.least = std::min({gap.least, distance, near});
+    ledger.enter(reason, Part::trunk, std::min(distance, near), margin.self_collision, t, distance < near ? pair : -1);
+  };
+  if (due(self_gap_, 2.0 * moved)) {
+    std::array<int, 2> pair{-1, -1};
+    const double distance = kinematics_.self_distance(2.0 * near, &pair);
+    enter(self_gap_, Reason::self_collision, distance, subject(pair, robot_->mj().ngeom));
+  }
+  if (due(world_gap_, moved)) {
+    in_world_ = sample.q;
+    const Pose root = anchor * kinematics_.body(1);
+    const Eigen::Quaterniond attitude(root.R);
+    in_world_.head<3>() = root.p;
+    in_world_.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+    std::array<int, 2> pair{-1, -1};
+    const double distance = obstacles_.distance(in_world_, 2.0 * near, pair);
+    enter(world_gap_, Reason::obstacle, distance, subject(pair, obstacles_.geoms()));
+  }
 }
 
 std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& anchor) {
@@ -170,6 +245,7 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     check_joints(sample, k * motion.period, ledger);
     check_soles(sample, anchor, k * motion.period, ledger);
   }
+  check_footholds(motion, anchor, ledger);
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     const double t = k * motion.period;
@@ -177,8 +253,9 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
     sample.zmp_height = support_plane(sample.sole, sample.contact);
     sample.zmp = ground_wrench(kinematics_, sample.force).zmp(sample.zmp_height);
+    check_tracking(sample, t, ledger);
     check_wrench(motion, k, t, ledger);
-    check_distances(sample, anchor, t, ledger);
+    check_distances(sample, anchor, k == 0, t, ledger);
   }
   return ledger.result(name);
 }

@@ -1,12 +1,14 @@
 /// Candidate motion → certificate or refusal: every limit, on the whole-body model, at every tick.
 #pragma once
 
+#include <limits>
 #include <variant>
 
 #include "baton/model/contact.hpp"
 #include "baton/model/world.hpp"
 #include "baton/motion/motion.hpp"
 #include "baton/verify/obstacles.hpp"
+#include "baton/verify/vertex_forces.hpp"
 
 namespace baton {
 
@@ -15,9 +17,11 @@ class Verifier {
   /// Robot and world must outlive the object.
   Verifier(const RobotModel& robot, const World& world);
 
-  /// Checks joint positions, speeds and torques (one Motor model), the ZMP and friction of the whole body, the
-  /// gap of the soles, the swing sole over the ground, self-collision and obstacles, tick by tick, and stops at the
-  /// first violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
+  /// Checks joint positions, speeds, accelerations and torques (one Motor model), what inverse kinematics left between
+  /// posture and plan, the contact wrench of the whole body (ZMP and friction at every tick, forces at the soles'
+  /// vertices every 20 ms), the gap of the soles, the swing sole over the ground, the footholds, self-collision and
+  /// obstacles (wherever links have moved far enough to change the least distance). Ends at a violation. Fills in
+  /// `force`, `zmp` and `zmp_height` of the samples on the way.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
   [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor);
@@ -27,15 +31,31 @@ class Verifier {
 
   void check_joints(const MotionSample& sample, double t, Ledger& ledger) const;
   void check_wrench(const Motion& motion, int tick, double t, Ledger& ledger);
-  void check_distances(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger);
+  void check_tracking(const MotionSample& sample, double t, Ledger& ledger);
+  void check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const;
+  void check_distances(const MotionSample& sample, const Pose& anchor, bool first, double t, Ledger& ledger);
+  /// How far any point of a link may have moved since the last call [m]: a bound from above.
+  [[nodiscard]] double travel();
   void check_soles(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) const;
 
   const RobotModel* robot_;
   const World* world_;
   Kinematics kinematics_;
+  VertexForces forces_;
   Obstacles obstacles_;
   VecX tau_;
   VecX in_world_;
+  int forces_every_ = 1;  ///< [ticks]
+
+  /// What is known of a distance between two measurements of it.
+  struct Gap {
+    double room = 0.0;                                       ///< it is no less than this [m]
+    double least = std::numeric_limits<double>::infinity();  ///< so far [m]
+  };
+  Gap self_gap_;
+  Gap world_gap_;
+  std::vector<Pose> links_;     ///< of all bodies but the world, when last seen
+  std::vector<double> extent_;  ///< of their geoms about the body's origin [m]
 };
 
 }  // namespace baton

@@ -1,0 +1,77 @@
+#include "baton/verify/vertex_forces.hpp"
+
+#include <cmath>
+#include <eiquadprog/eiquadprog-fast.hpp>
+#include <limits>
+
+namespace baton {
+namespace {
+
+constexpr double kRegularisation = 1e-8;  ///< ε, of forces in units of the weight
+
+}  // namespace
+
+struct VertexForces::Workspace {
+  eiquadprog::solvers::EiquadprogFast qp;
+  MatX G, H, CE, CI;
+  VecX g, ce, ci, f;
+};
+
+VertexForces::VertexForces(const RobotModel& robot) : robot_(&robot), w_(std::make_unique<Workspace>()) {
+  for (const Side side : kSides)
+    vertices_[side] = robot.sole(side).inset(robot.profile().margin.zmp_verify).vertices();
+}
+
+VertexForces::~VertexForces() = default;
+
+double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total,
+                             const Vec3& com) {
+  Workspace& w = *w_;
+  Eigen::Index n = 0;
+  for (const Side side : kSides)
+    n += contact[side] ? static_cast<Eigen::Index>(vertices_[side].size()) : 0;
+  if (n == 0) return std::numeric_limits<double>::infinity();
+  const double weight = robot_->mass() * kGravity;
+  const double length = robot_->profile().stance.com_height;
+  // A pyramid inside the cone.
+  const double mu = robot_->profile().margin.friction / std::sqrt(2.0);
+  w.G.setZero(6, 3 * n);
+  w.CI.setZero(5 * n, 3 * n);
+  Eigen::Index i = 0;
+  for (const Side side : kSides) {
+    if (!contact[side]) continue;
+    for (const Vec2& vertex : vertices_[side]) {
+      const Vec3 arm = (sole[side] * Vec3(vertex.x(), vertex.y(), 0) - com) / length;
+      const Mat3& R = sole[side].R;
+      w.G.block<3, 3>(0, 3 * i) = R;
+      for (int axis = 0; axis < 3; ++axis)
+        w.G.block<3, 1>(3, 3 * i + axis) = arm.cross(R.col(axis));
+      for (int axis = 0; axis < 2; ++axis) {
+        w.CI(5 * i + 2 * axis, 3 * i + axis) = 1.0;
+        w.CI(5 * i + 2 * axis + 1, 3 * i + axis) = -1.0;
+        w.CI(5 * i + 2 * axis, 3 * i + 2) = mu;
+        w.CI(5 * i + 2 * axis + 1, 3 * i + 2) = mu;
+      }
+      w.CI(5 * i + 4, 3 * i + 2) = 1.0;
+      ++i;
+    }
+  }
+  Vec6 wanted;
+  wanted << total.force / weight, total.moment_about(com) / (weight * length);
+  if (!wanted.allFinite()) return std::numeric_limits<double>::infinity();
+  w.H.noalias() = w.G.transpose() * w.G;
+  w.H.diagonal().array() += kRegularisation;
+  w.g.noalias() = -(w.G.transpose() * wanted);
+  w.CE.setZero(0, 3 * n);
+  w.ce.setZero(0);
+  w.ci.setZero(5 * n);
+  w.f.setZero(3 * n);
+  w.qp.reset(static_cast<std::size_t>(3 * n), 0, static_cast<std::size_t>(5 * n));
+  const auto status = w.qp.solve_quadprog(w.H, w.g, w.CE, w.ce, w.CI, w.ci, w.f);
+  if (status != eiquadprog::solvers::EIQUADPROG_FAST_OPTIMAL || !w.f.allFinite()) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return (w.G * w.f - wanted).norm();
+}
+
+}  // namespace baton

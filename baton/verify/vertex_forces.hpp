@@ -1,0 +1,32 @@
+/// Whether the planned soles can give a contact wrench: forces at the soles' vertices, each in its friction pyramid
+/// (docs/theory.md §3). On any ground this covers ZMP, friction and yaw torque in one.
+#pragma once
+
+#include <memory>
+
+#include "baton/model/contact.hpp"
+
+namespace baton {
+
+class VertexForces {
+ public:
+  /// Soles are taken smaller by the profile's `margin.zmp_verify`, friction as its `margin.friction`.
+  /// The model must outlive the object.
+  explicit VertexForces(const RobotModel& robot);
+  ~VertexForces();
+
+  /// Share of the weight that no such forces give, moments counted at the length of the nominal COM height: 0 if the
+  /// wrench can be had. The minimiser of |G f − w|² + ε|f|² over the pyramids.
+  /// @param total wrench from the ground, about the frame's origin
+  /// @param com where the moments are taken [m]
+  [[nodiscard]] double missing(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total,
+                               const Vec3& com);
+
+ private:
+  struct Workspace;
+  const RobotModel* robot_;
+  BySide<std::vector<Vec2>> vertices_;
+  std::unique_ptr<Workspace> w_;
+};
+
+}  // namespace baton
