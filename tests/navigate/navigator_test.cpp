@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "baton/ik/stand.hpp"
 #include "baton/robot/ideal_robot.hpp"
@@ -14,11 +15,11 @@ namespace {
 /// A run on the ideal robot, one tick after the other; answers of the planner can be withheld.
 class Trip {
  public:
-  explicit Trip(const RobotModel& robot)
-      : world_(World::load("flat")),
+  explicit Trip(const RobotModel& robot, Modes modes = {}, const std::string& world = "flat")
+      : world_(World::load(world)),
         home_(stand(robot, world_.site("start"), robot.profile().stance.com_height)),
         navigator_(robot, home_),
-        planning_(robot, world_),
+        planning_(robot, world_, modes),
         body_(robot, home_, robot.profile().tick.period) {}
 
   const JointTarget& step(const Command& command, bool answer = true) {
@@ -34,6 +35,7 @@ class Trip {
   Navigator& navigator() { return navigator_; }
   IdealRobot& body() { return body_; }
   Planning& planning() { return planning_; }
+  const World& world() const { return world_; }
   const Posture& home() const { return home_; }
   int requests() const { return requests_; }
 
@@ -45,6 +47,29 @@ class Trip {
   IdealRobot body_;
   int requests_ = 0;
 };
+
+/// Anything that a stick may ask for.
+Command anything(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Command command;
+  command.guide = kParts[random() % kParts.size()];
+  for (double& axis : command.axes)
+    axis = random() % 2 == 0 ? uniform(random) : 0.0;
+  if (random() % 3 == 0) command.lift = {std::abs(uniform(random)), std::abs(uniform(random))};
+  return command;
+}
+
+/// How far one posture is from another: parts [m] and their attitudes [rad].
+std::pair<double, double> distance(const Posture& a, const Posture& b) {
+  double place = (a.com - b.com).norm();
+  double attitude = rotation_error(a.trunk, b.trunk).norm();
+  for (const Side side : kSides) {
+    place = std::max({place, (a.sole[side].p - b.sole[side].p).norm(), (a.hand[side].p - b.hand[side].p).norm()});
+    attitude = std::max({attitude, rotation_error(a.sole[side].R, b.sole[side].R).norm(),
+                         rotation_error(a.hand[side].R, b.hand[side].R).norm()});
+  }
+  return {place, attitude};
+}
 
 Command push(Part part, int axis, double value = 1.0) {
   Command command;
@@ -199,6 +224,138 @@ TEST_P(NavigatorTest, WhateverTheStickDoesJointsKeepTheirLimitsAndEveryMotionEnd
     }
     EXPECT_GT(run.navigator().committed(), 3);
   }
+}
+
+TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
+  std::mt19937_64 random(21);
+  int retraced = 0;
+  for (const std::string world : {"flat", "room"}) {
+    for (int trial = 0; trial < 4; ++trial) {
+      Trip run(robot_, {}, world);
+      const double size = robot_.profile().stance.com_height / 0.26;
+      std::vector<Posture> rests{run.home()};
+      const auto live = [&](const Command& command) {
+        const long before = run.navigator().committed();
+        run.step(command);
+        return run.navigator().committed() != before;
+      };
+      for (int k = 0; k < 40; ++k) {
+        const Command command = anything(random);
+        for (int tick = 0; tick < 100; ++tick) {
+          if (live(command)) rests.push_back(run.navigator().motion()->end);
+        }
+      }
+      while (run.navigator().motion() != nullptr) {
+        if (live({})) rests.push_back(run.navigator().motion()->end);
+      }
+      ASSERT_GT(rests.size(), 10u);
+      ASSERT_EQ(run.navigator().history(), rests.size() - 1);
+      Command back;
+      back.recall = Recall::retrace;
+      while (run.navigator().history() > 0) {
+        rests.pop_back();
+        const std::size_t left = run.navigator().history();
+        while (run.navigator().history() == left) {
+          run.step(back);
+          ASSERT_FALSE(run.navigator().refusal().has_value()) << to_string(run.navigator().refusal()->reason);
+        }
+        ASSERT_TRUE(run.navigator().motion()->retraces);
+        const auto [place, attitude] = distance(run.navigator().motion()->end, rests.back());
+        ASSERT_LT(place, 0.005 * size);
+        ASSERT_LT(attitude, 0.02);
+        ++retraced;
+      }
+      for (int k = 0; k < 1000; ++k)
+        run.step(back);
+      ASSERT_EQ(run.navigator().phase(), Phase::hold);
+      EXPECT_EQ(run.navigator().refusal().value_or(Refusal{}).reason, Reason::no_history);
+      const auto [place, attitude] = distance(posture_of(robot_, run.body().truth().q), run.home());
+      EXPECT_LT(place, 0.005 * size);
+      EXPECT_LT(attitude, 0.02);
+    }
+  }
+  EXPECT_GT(retraced, 200);
+}
+
+TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
+  std::mt19937_64 random(22);
+  for (int trial = 0; trial < 8; ++trial) {
+    Trip run(robot_);
+    for (int k = 0; k < 40; ++k) {
+      const Command command = anything(random);
+      for (int tick = 0; tick < 100; ++tick)
+        run.step(command);
+    }
+    Command home;
+    home.recall = Recall::home;
+    for (int k = 0; k < 6000; ++k)
+      run.step(home);
+    ASSERT_EQ(run.navigator().phase(), Phase::hold);
+    ASSERT_FALSE(run.navigator().refusal().has_value()) << to_string(run.navigator().refusal()->reason);
+    // The same posture, somewhere else.
+    const Posture now = posture_of(robot_, run.body().truth().q);
+    const Pose moved{now.sole.left.p, rotation_z(now.heading())};
+    const Pose began{run.home().sole.left.p, rotation_z(run.home().heading())};
+    const double size = robot_.profile().stance.com_height / 0.26;
+    EXPECT_LT((moved.inverse() * now.com - began.inverse() * run.home().com).norm(), 0.003 * size);
+    EXPECT_LT((moved.inverse() * now.sole.right.p - began.inverse() * run.home().sole.right.p).norm(), 0.003 * size);
+    for (const Side side : kSides)
+      EXPECT_LT((moved.inverse() * now.hand[side].p - began.inverse() * run.home().hand[side].p).norm(), 0.006 * size);
+  }
+}
+
+TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
+  std::mt19937_64 random(23);
+  int refused = 0;
+  int shrunk = 0;
+  int along = 0;
+  Trip run(robot_);
+  Planning strict(robot_, run.world(), {.on_limit = OnLimit::discard});
+  for (int k = 0; k < 450; ++k) {
+    const Command command = anything(random);
+    for (int tick = 0; tick < 80; ++tick) {
+      const JointTarget& target = run.navigator().tick(run.body().read(), command);
+      run.body().write(target);
+      const auto problem = run.navigator().request();
+      if (!problem) continue;
+      const PlanningResult result = run.planning().plan(*problem);
+      const PlanningResult discarded = strict.plan(*problem);
+      const auto* against = std::get_if<Refusal>(&discarded.outcome);
+      const auto* motion = std::get_if<Motion>(&result.outcome);
+      if (against == nullptr) {
+        ASSERT_EQ(motion != nullptr, std::holds_alternative<Motion>(discarded.outcome));
+        if (motion != nullptr) {
+          ASSERT_FALSE(motion->limit.has_value());
+        }
+      } else {
+        ++refused;
+        if (motion != nullptr) {
+          ++shrunk;
+          ASSERT_TRUE(motion->limit.has_value());
+          EXPECT_EQ(motion->limit->reason, against->reason);
+          ASSERT_FALSE(motion->certificate.margins.empty());
+          const Posture& from = problem->context.from;
+          if (command.guide != Part::trunk && motion->goal.guided == command.guide && command.lift.left == 0.0) {
+            const Side side = side_of(command.guide);
+            const bool is_step = is_foot(command.guide);
+            Vec3 asked = rotation_z(from.heading()) * command.axes.head<3>();
+            Vec3 made = is_step ? Vec3(motion->end.sole[side].p - from.sole[side].p)
+                                : Vec3(motion->end.hand[side].p - from.hand[side].p);
+            if (is_step) asked.z() = made.z() = 0.0;
+            const double least = 0.001 * robot_.profile().stance.com_height;
+            if (made.norm() > least && asked.norm() > 0.0) {
+              EXPECT_GT(made.dot(asked), 0.0);
+              ++along;
+            }
+          }
+        }
+      }
+      run.navigator().offer(result);
+    }
+  }
+  EXPECT_GT(refused, 20);
+  EXPECT_GT(shrunk, refused / 4);
+  EXPECT_GT(along, 5);
 }
 
 TEST_P(NavigatorTest, AfterAFallNothingPlannedIsExecuted) {
