@@ -21,6 +21,15 @@ void on_interrupt(int /*signal*/) {
   interrupted = true;
 }
 
+void add_modes(CLI::App& command, std::string& duration, std::string& on_limit) {
+  command.add_option("--duration", duration, "How a segment's duration is found: paper or search")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"paper", "search"}));
+  command.add_option("--on-limit", on_limit, "What happens to a goal that cannot be reached: discard or shrink")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"discard", "shrink"}));
+}
+
 void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
       ->capture_default_str();
@@ -29,15 +38,10 @@ void add_drive(CLI::App& command, DriveOptions& o) {
       ->capture_default_str()
       ->check(CLI::IsMember({"sim", "ideal"}));
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
-  command.add_option("--duration", o.duration, "How a segment's duration is found: paper or search")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"paper", "search"}));
+  add_modes(command, o.duration, o.on_limit);
   command.add_option("--gait", o.gait, "stop after each segment, or flow")
       ->capture_default_str()
       ->check(CLI::IsMember({"stop", "flow"}));
-  command.add_option("--on-limit", o.on_limit, "What happens to a goal that cannot be reached: discard or shrink")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"discard", "shrink"}));
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")->check(CLI::PositiveNumber);
   command.add_option("--seed", o.seed, "Recorded in the report")->capture_default_str();
   command.add_flag("--headless", o.headless, "No page");
@@ -81,6 +85,14 @@ int parse_and_run(std::vector<std::string> args) {
   plan_command->add_option("--seconds", plan_options.seconds, "How long the script's last line is held")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  add_modes(*plan_command, plan_options.duration, plan_options.on_limit);
+  plan_command->add_option("--out", plan_options.out, "Folder: write each motion to a file, for baton verify");
+
+  VerifyOptions verify_options;
+  CLI::App* verify_command = app.add_subcommand("verify", "Check a motion again, from its file");
+  verify_command->add_option("motion", verify_options.motion, "Motion (JSON), as baton plan --out writes it")->required();
+  verify_command->add_option("--robot", verify_options.robot, "Robot, instead of the file's");
+  verify_command->add_option("--world", verify_options.world, "World, instead of the file's");
 
   ReproduceOptions reproduce_options;
   CLI::App* reproduce_command = app.add_subcommand("reproduce", "Make figures of the 2008 paper anew");
@@ -117,6 +129,7 @@ int parse_and_run(std::vector<std::string> args) {
   }
   if (drive_command->parsed()) return drive(drive_options);
   if (plan_command->parsed()) return plan(plan_options);
+  if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);
   if (operate_command->parsed()) return operate(operate_options);
   return kDone;

@@ -34,6 +34,15 @@ struct PlanOptions {
   std::string world = "flat";
   std::filesystem::path script;
   double seconds = 1.0;  ///< how long the last line is held
+  std::string duration = "paper";
+  std::string on_limit = "shrink";
+  std::optional<std::filesystem::path> out;  ///< folder for one file a motion
+};
+
+struct VerifyOptions {
+  std::filesystem::path motion;
+  std::optional<std::string> robot;  ///< instead of the file's
+  std::optional<std::string> world;  ///< instead of the file's
 };
 
 struct ReproduceOptions {
@@ -55,6 +64,7 @@ struct OperateOptions {
 
 int drive(const DriveOptions& options);
 int plan(const PlanOptions& options);
+int verify(const VerifyOptions& options);
 int reproduce(const ReproduceOptions& options);
 int operate(const OperateOptions& options);
 

@@ -33,9 +33,8 @@ int drive(const DriveOptions& o) {
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
   Inputs inputs(o.input);
-  const Modes modes{o.duration == "paper" ? DurationRule::paper : DurationRule::search,
-                    o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink};
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt, {}, modes);
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt, {},
+                  modes_of(o.duration, o.on_limit));
   Outputs outputs(robot, session, o.report, o.trace, o.save_model);
 
   std::optional<View> view;

@@ -13,6 +13,15 @@ std::optional<std::ofstream> open_output(const std::optional<std::filesystem::pa
   return out;
 }
 
+void make_folder(const std::filesystem::path& folder, const std::string& option) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(fmt::format("{} {}: {}", option, folder.string(), error.message()));
+  if (!std::filesystem::is_directory(folder)) {
+    throw InputError(fmt::format("{} {}: not a folder", option, folder.string()));
+  }
+}
+
 std::string script_line(double t, const Command& command) {
   const auto& a = command.axes;
   return fmt::format(

@@ -21,6 +21,10 @@ inline constexpr double kReached = 0.01;
 [[nodiscard]] std::optional<std::ofstream> open_output(const std::optional<std::filesystem::path>& file,
                                                        const std::string& option);
 
+/// Makes a folder, unless it is there.
+/// @throws InputError it cannot be made; the message names `option`
+void make_folder(const std::filesystem::path& folder, const std::string& option);
+
 /// A command as a line of a stick script.
 [[nodiscard]] std::string script_line(double t, const Command& command);
 

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/outputs.hpp"
 #include "app/session.hpp"
 #include "baton/input/script.hpp"
+#include "baton/record/motion_file.hpp"
 #include "baton/record/plan_json.hpp"
 
 namespace baton::app {
@@ -14,13 +17,20 @@ int plan(const PlanOptions& o) {
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
   Script script = Script::load(o.script);
-  Session session(robot, world, Session::On::ideal);
+  Session session(robot, world, Session::On::ideal, std::nullopt, {}, modes_of(o.duration, o.on_limit));
+  if (o.out) make_folder(*o.out, "--out");
   nlohmann::json segments = nlohmann::json::array();
+  int motions = 0;
   session.on_plan = [&](const PlanRecord& record) {
     const double t = static_cast<double>(record.problem.take_over) * robot.profile().tick.period;
     nlohmann::json entry = {{"t", t}, {"guide", to_string(record.problem.command.guide)}};
     if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
       entry.update(to_json(*motion, record.result.anchor));
+      if (o.out) {
+        const auto file = *o.out / fmt::format("segment_{:03}.json", motions++);
+        std::ofstream(file) << motion_file(*motion, {o.robot, o.world, record.result.anchor}).dump() << "\n";
+        entry["file"] = file.string();
+      }
     } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {
       entry["refused"] = to_json(*refusal);
     } else {

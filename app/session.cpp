@@ -7,6 +7,11 @@
 
 namespace baton::app {
 
+Modes modes_of(const std::string& duration, const std::string& on_limit) {
+  return {duration == "search" ? DurationRule::search : DurationRule::paper,
+          on_limit == "discard" ? OnLimit::discard : OnLimit::shrink};
+}
+
 double cpu_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

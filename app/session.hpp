@@ -12,6 +12,9 @@
 
 namespace baton::app {
 
+/// The modes that options name.
+[[nodiscard]] Modes modes_of(const std::string& duration, const std::string& on_limit);
+
 /// Thread CPU time [µs].
 [[nodiscard]] double cpu_us();
 

@@ -21,6 +21,18 @@ nlohmann::json to_json(const Refusal& refusal) {
           {"where", refusal.where}};
 }
 
+nlohmann::json to_json(const Certificate& certificate) {
+  nlohmann::json margins = nlohmann::json::array();
+  for (const Margin& margin : certificate.margins) {
+    margins.push_back({{"quantity", to_string(margin.quantity)},
+                       {"value", margin.value},
+                       {"limit", margin.limit},
+                       {"t", margin.t},
+                       {"where", margin.where}});
+  }
+  return margins;
+}
+
 nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
   nlohmann::json phases = nlohmann::json::array();
   for (const ContactPhase& phase : motion.phases) {
@@ -30,14 +42,6 @@ nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
   nlohmann::json knots = nlohmann::json::array();
   for (std::size_t k = 0; k < motion.com.knots().size(); ++k) {
     knots.push_back({{"t", motion.com.times()[k]}, {"v", vector_json(anchor * motion.com.knots()[k])}});
-  }
-  nlohmann::json margins = nlohmann::json::array();
-  for (const Margin& margin : motion.certificate.margins) {
-    margins.push_back({{"quantity", to_string(margin.quantity)},
-                       {"value", margin.value},
-                       {"limit", margin.limit},
-                       {"t", margin.t},
-                       {"where", margin.where}});
   }
   const Posture& end = motion.end;
   nlohmann::json goal = {{"com", vector_json(anchor * end.com)},
@@ -54,7 +58,7 @@ nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
                          {"durations_tried", motion.durations_tried},
                          {"phases", phases},
                          {"knots", knots},
-                         {"margins", margins},
+                         {"margins", to_json(motion.certificate)},
                          {"goal", goal}};
   if (motion.goal.swing) json["swing"] = to_string(foot(*motion.goal.swing));
   return json;

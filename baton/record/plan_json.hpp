@@ -12,4 +12,7 @@ namespace baton {
 
 [[nodiscard]] nlohmann::json to_json(const Refusal& refusal);
 
+/// The worst of each quantity.
+[[nodiscard]] nlohmann::json to_json(const Certificate& certificate);
+
 }  // namespace baton

@@ -113,9 +113,7 @@ void Verifier::check_wrench(const Motion& motion, int tick, double t, Ledger& le
   const Wrench total = ground_wrench(kinematics_, sample.force);
   // Where phases meet, the ZMP must suit the soles that stand on both sides.
   const auto& before = samples[static_cast<std::size_t>(std::max(tick - 1, 0))].contact;
-  const auto& after = samples[static_cast<std::size_t>(std::min(tick + 1, motion.ticks()))].contact;
-  const BySide<bool> contact{sample.contact.left && before.left && after.left,
-                             sample.contact.right && before.right && after.right};
+  const BySide<bool> contact{sample.contact.left && before.left, sample.contact.right && before.right};
   const ConvexPolygon support = support_polygon(*robot_, sample.sole, contact, sample.com, sample.zmp_height);
   ledger.enter(Reason::zmp, Part::trunk, support.margin(sample.zmp), margin.zmp_verify, t, -1);
   ledger.enter(Reason::friction, Part::trunk, total.force.head<2>().norm() / total.force.z(), margin.friction, t, -1);

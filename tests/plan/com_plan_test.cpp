@@ -273,6 +273,72 @@ TEST(ComPlan, TheMarginIsTheLeastOfADenseSearch) {
   }
 }
 
+TEST(ComPlan, BoundedKnotsKeepTheZmpInsideAndAreTheNearestThatDo) {
+  Random random(8);
+  BoundedCom bounded;
+  int free = 0;
+  int active = 0;
+  int infeasible = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    ComProblem problem = step_problem(0.042, -random.real(0.04, 0.08), -random.real(0.04, 0.10), random.real(0.24, 0.28));
+    problem.knots.insert(problem.knots.begin() + 1, {0.5, problem.p0, 1.0});
+    problem.knots.insert(problem.knots.end() - 1, {2.5, problem.goal, 1.0});
+    problem.goal.x() += random.real(-0.03, 0.03);
+    problem.dp0 = Vec3(random.real(-0.05, 0.05), random.real(-0.05, 0.05), 0.0);
+    problem.margin = random.real(0.0, 0.015);
+    const Timing timing = timing_of(problem, random.integer(60, 300));
+    const ComPath unbounded = com_path(problem, timing);
+    const std::optional<ComPath> path = bounded.path(problem, timing);
+    if (zmp_margin(problem, unbounded, timing).margin >= problem.margin) {
+      ++free;
+      ASSERT_TRUE(path.has_value());
+      for (std::size_t k = 0; k < path->knots().size(); ++k)
+        ASSERT_LT((path->knots()[k] - unbounded.knots()[k]).norm(), 1e-9);
+    }
+    if (!path) {
+      ++infeasible;
+      continue;
+    }
+    active += path->knots() == unbounded.knots() ? 0 : 1;
+    ASSERT_GE(zmp_margin(problem, *path, timing).margin, problem.margin);
+    ASSERT_LT((path->at(timing.duration()).p - problem.goal).norm(), 1e-6);
+    ASSERT_LT(path->at(timing.duration()).dp.norm(), 1e-5);
+    ASSERT_LT((path->at(0.0).p - problem.p0).norm(), 1e-12);
+    ASSERT_LT((path->at(0.0).dp - problem.dp0).norm(), 1e-12);
+  }
+  EXPECT_GT(free, 300);
+  EXPECT_GT(active, 300);
+  EXPECT_GT(infeasible, 50);
+}
+
+TEST(ComPlan, AnOffsetDrivesTheComAndLeavesTheKnotsTheWholeBodys) {
+  Random random(9);
+  BoundedCom bounded;
+  for (int trial = 0; trial < 500; ++trial) {
+    ComProblem problem = step_problem(0.042, -0.042, -random.real(0.042, 0.07));
+    problem.margin = 0.005;
+    problem.knots.insert(problem.knots.begin() + 1, {0.5, problem.p0, 1.0});
+    problem.knots.insert(problem.knots.end() - 1, {2.5, problem.goal, 1.0});
+    const Timing timing = timing_of(problem, random.integer(180, 300));
+    VrpOffset offset;
+    const int corners = random.integer(2, 40);
+    for (int k = 0; k <= corners; ++k) {
+      offset.times.push_back(timing.duration() * k / corners);
+      offset.values.emplace_back(random.real(-0.01, 0.01), random.real(-0.01, 0.01), 0.0);
+    }
+    const std::optional<ComPath> path = bounded.path(problem, timing, offset);
+    ASSERT_TRUE(path.has_value()) << trial;
+    ASSERT_LT((path->at(timing.duration()).p - problem.goal).norm(), 1e-6);
+    ASSERT_LT(path->at(timing.duration()).dp.norm(), 1e-5);
+    for (int k = 0; k < 20; ++k) {
+      const double t = random.real(0.0, timing.duration());
+      const ComState x = path->at(t);
+      ASSERT_LT((x.ddp - kOmega * kOmega * (x.p - (x.v - offset.at(t)))).norm(), 1e-9);
+    }
+    ASSERT_GE(zmp_margin(problem, *path, timing).margin, problem.margin);
+  }
+}
+
 TEST(ComPlan, TheDurationIsTheFirstThatFits) {
   Random random(7);
   int found = 0;

@@ -1,7 +1,7 @@
 /** A refusal in plain words: which part, why, and by how much. */
 import { inWords, type Refusal, type Value } from './protocol';
 
-type Unit = 'length' | 'angle' | 'speed' | 'share' | 'ratio' | 'none';
+type Unit = 'length' | 'angle' | 'speed' | 'acceleration' | 'share' | 'ratio' | 'none';
 
 const reasons: Record<string, { text: string; unit: Unit }> = {
   foot_region: { text: 'the foothold would lie outside its reach', unit: 'length' },
@@ -16,8 +16,10 @@ const reasons: Record<string, { text: string; unit: Unit }> = {
   unreachable: { text: 'arms and legs cannot take up that posture', unit: 'ratio' },
   joint_limit: { text: 'a joint would come too near to the end of its range', unit: 'angle' },
   joint_speed: { text: 'a joint would have to turn too fast', unit: 'speed' },
+  joint_acceleration: { text: 'a joint would have to jerk', unit: 'acceleration' },
   joint_torque: { text: 'a motor would have to be too strong', unit: 'share' },
   friction: { text: 'a foot would slip', unit: 'ratio' },
+  contact_wrench: { text: 'the soles cannot give the force and the turn that it takes', unit: 'ratio' },
   self_collision: { text: 'two links would come too close to each other', unit: 'length' },
   obstacle: { text: 'a link would come too close to something in the way', unit: 'length' },
   swing_ground: { text: 'the foot would touch the ground on its way', unit: 'length' },
@@ -34,6 +36,8 @@ function amount(value: number, unit: Unit, scale: number): string {
       return `${rounded((value * 180) / Math.PI, 1)}°`;
     case 'speed':
       return `${rounded(value, 2)} rad/s`;
+    case 'acceleration':
+      return `${rounded(value, 0)} rad/s²`;
     case 'share':
       return `${rounded(value * 100, 0)} %`;
     default:

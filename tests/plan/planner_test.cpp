@@ -1,0 +1,119 @@
+#include "baton/plan/planner.hpp"
+
+#include <gtest/gtest.h>
+
+#include "baton/guide/guide.hpp"
+#include "baton/ik/stand.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/verify/sample_motions.hpp"
+
+namespace baton {
+namespace {
+
+class PlannerTest : public testing::TestWithParam<std::string> {
+ protected:
+  const RobotModel& robot_ = test::robot(GetParam());
+  const World world_ = World::load("flat");
+  const double size_ = robot_.profile().stance.com_height / 0.26;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, PlannerTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+double worst(const Motion& motion, Reason quantity) {
+  for (const Margin& margin : motion.certificate.margins) {
+    if (margin.quantity == quantity) return margin.value;
+  }
+  ADD_FAILURE() << "not verified: " << to_string(quantity);
+  return 0.0;
+}
+
+TEST_P(PlannerTest, TheZmpIsPlannedForTheWholeBody) {
+  // The knots are the whole body's ZMP: between the first and the last instant, where accelerations jump, what inverse
+  // dynamics finds is what was planned.
+  std::vector<double> errors;
+  for (const Motion& motion : test::sample_motions(GetParam())) {
+    double error = 0.0;
+    for (int k = 2; k < motion.ticks() - 1; ++k) {
+      const ComState com = motion.com.at(k * motion.period);
+      const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
+      error = std::max(error, (zmp_of_vrp(com.p, com.v, sample.zmp_height, motion.com.omega()) - sample.zmp).norm());
+    }
+    errors.push_back(error);
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.002 * size_);
+  EXPECT_LT(errors.back(), 0.008 * size_);
+}
+
+TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
+  Planner paper(robot_, world_, DurationRule::paper);
+  Planner search(robot_, world_, DurationRule::search);
+  const Guide guide(robot_, world_);
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  GuideContext context;
+  context.from = stand(robot_, Pose{}, robot_.profile().stance.com_height);
+  context.foothold = context.from.sole;
+  int both = 0;
+  int longer = 0;
+  int only_paper = 0;
+  double sum_paper = 0.0;
+  double sum_search = 0.0;
+  for (int k = 0; k < 150; ++k) {
+    Command command;
+    command.guide = kParts[static_cast<std::size_t>(k) % kParts.size()];
+    for (double& axis : command.axes)
+      axis = uniform(random);
+    if (k % 3 == 0) command.lift = {1.0, 1.0};
+    const GuideResult guided = guide.goals(context, command);
+    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+    if (goals == nullptr) continue;
+    PlanResult a = paper.plan(context.from, goals->front(), context.anchor);
+    PlanResult b = search.plan(context.from, goals->front(), context.anchor);
+    auto* slow = std::get_if<Motion>(&a);
+    auto* quick = std::get_if<Motion>(&b);
+    if (quick != nullptr) {
+      EXPECT_GE(worst(*quick, Reason::zmp), robot_.profile().margin.zmp_verify);
+      EXPECT_LE(worst(*quick, Reason::joint_torque), robot_.profile().margin.torque);
+      EXPECT_LE(quick->duration(), robot_.profile().duration.max + 1e-9);
+    }
+    if (slow == nullptr) continue;
+    only_paper += quick == nullptr ? 1 : 0;
+    if (quick != nullptr) {
+      ++both;
+      longer += quick->duration() > slow->duration() + 1e-9 ? 1 : 0;
+      sum_paper += slow->duration();
+      sum_search += quick->duration();
+    }
+    context.from = slow->end;
+    for (const Side side : kSides) {
+      if (slow->goal.contact[side]) context.foothold[side] = slow->goal.sole[side];
+    }
+  }
+  EXPECT_GT(both, 50);
+  EXPECT_LE(longer, both / 10);
+  EXPECT_LE(only_paper, both / 20);
+  EXPECT_LT(sum_search, 0.8 * sum_paper);
+}
+
+TEST_P(PlannerTest, AMotionRunBackwardsHasTheSameMargins) {
+  Planner planner(robot_, world_);
+  Posture from = stand(robot_, Pose{}, robot_.profile().stance.com_height);
+  int checked = 0;
+  for (const Motion& motion : test::sample_motions(GetParam())) {
+    const Trail trail = trail_of(from, motion);
+    const PlanResult back = planner.retrace(trail, Pose{});
+    ASSERT_TRUE(std::holds_alternative<Motion>(back)) << to_string(std::get<Refusal>(back).reason);
+    const auto& reverse = std::get<Motion>(back);
+    for (const Reason quantity : {Reason::zmp, Reason::joint_torque, Reason::joint_speed, Reason::friction})
+      EXPECT_NEAR(worst(reverse, quantity), worst(motion, quantity), 1e-6 * (1.0 + std::abs(worst(motion, quantity))));
+    EXPECT_EQ(reverse.end.q, from.q);
+    EXPECT_EQ(reverse.samples.front().q, motion.end.q);
+    ++checked;
+    from = motion.end;
+  }
+  EXPECT_GT(checked, 15);
+}
+
+}  // namespace
+}  // namespace baton
