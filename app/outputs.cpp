@@ -24,9 +24,12 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 
 std::string script_line(double t, const Command& command) {
   const auto& a = command.axes;
+  const char* recall = command.recall == Recall::retrace ? R"(, "retrace": true)"
+                       : command.recall == Recall::home  ? R"(, "home": true)"
+                                                         : "";
   return fmt::format(
-      R"({{"t": {:.3f}, "guide": "{}", "axes": [{:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}], "lift": [{:.4g}, {:.4g}]}})",
-      t, to_string(command.guide), a[0], a[1], a[2], a[3], a[4], a[5], command.lift.left, command.lift.right);
+      R"({{"t": {:.3f}, "guide": "{}", "axes": [{:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}], "lift": [{:.4g}, {:.4g}]{}}})",
+      t, to_string(command.guide), a[0], a[1], a[2], a[3], a[4], a[5], command.lift.left, command.lift.right, recall);
 }
 
 Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,

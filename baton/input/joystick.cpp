@@ -66,6 +66,8 @@ PadState pad_state(SDL_GameController* pad) {
           .b = held(SDL_CONTROLLER_BUTTON_B),
           .x = held(SDL_CONTROLLER_BUTTON_X),
           .y = held(SDL_CONTROLLER_BUTTON_Y),
+          .back = held(SDL_CONTROLLER_BUTTON_BACK),
+          .start = held(SDL_CONTROLLER_BUTTON_START),
           .up = held(SDL_CONTROLLER_BUTTON_DPAD_UP),
           .down = held(SDL_CONTROLLER_BUTTON_DPAD_DOWN),
           .left = held(SDL_CONTROLLER_BUTTON_DPAD_LEFT),
@@ -79,7 +81,8 @@ Command neutral(Part guide) {
 }
 
 bool at_rest(const Command& command) {
-  return command.axes.isZero(0.0) && command.lift.left == 0.0 && command.lift.right == 0.0;
+  return command.recall == Recall::none && command.axes.isZero(0.0) && command.lift.left == 0.0 &&
+         command.lift.right == 0.0;
 }
 
 }  // namespace

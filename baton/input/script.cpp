@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -19,6 +20,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kSameTime = 1e-9;  // [s] ticks are counted in floating point
+constexpr std::array<std::string_view, 6> kKeys{"t", "guide", "axes", "lift", "retrace", "home"};
 
 /// Cut to a size that fits a message, between two characters of UTF-8.
 std::string shortened(std::string text, std::size_t longest) {
@@ -64,8 +66,9 @@ class Line {
                                    place_, shown(json_)));
     }
     for (const auto& [key, value] : json_.items()) {
-      if (key != "t" && key != "guide" && key != "axes" && key != "lift") {
-        throw InputError(fmt::format("{}: unknown key {}: must be t, guide, axes or lift", place_, shown(Json(key))));
+      if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
+        throw InputError(
+            fmt::format("{}: unknown key {}: must be t, guide, axes, lift, retrace or home", place_, shown(Json(key))));
       }
     }
   }
@@ -99,7 +102,21 @@ class Line {
     return {left, right};
   }
 
+  [[nodiscard]] Recall recall() const {
+    const bool back = held("retrace");
+    const bool home = held("home");
+    if (back && home)
+      throw InputError(fmt::format("{}: retrace and home are both true: must be one at a time", place_));
+    return back ? Recall::retrace : home ? Recall::home : Recall::none;
+  }
+
  private:
+  [[nodiscard]] bool held(const char* key) const {
+    if (!json_.contains(key)) return false;
+    if (!json_[key].is_boolean()) complain(key, "true or false");
+    return json_[key].get<bool>();
+  }
+
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(const char* key, const char* wanted) const {
     const Json& list = json_[key];
@@ -148,8 +165,9 @@ Script Script::parse(std::string_view text, std::string name) {
     text.remove_prefix(std::min(length + 1, text.size()));
     if (blank(content)) continue;
     const Line line(content, fmt::format("script {}: line {}", name, number));
-    Entry entry{line.time(before.t), {line.guide(before.command.guide), line.axes(), {}}};
+    Entry entry{line.time(before.t), {line.guide(before.command.guide), line.axes(), {}, {}}};
     entry.command.lift = line.lift(before.command.lift);
+    entry.command.recall = line.recall();
     before = entry;
     entries.push_back(entry);
   }

@@ -1,5 +1,6 @@
 /// A device that plays a file of commands (docs/input.md has the format): JSON Lines such as
 /// `{"t": 1.25, "guide": "left_hand", "axes": [x, y, z, roll, pitch, yaw], "lift": [left, right]}`
+/// or `{"t": 6, "retrace": true}`
 #pragma once
 
 #include <filesystem>

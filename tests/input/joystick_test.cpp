@@ -28,8 +28,14 @@ class JoystickTest : public testing::Test {
   double t_ = 0.0;
 };
 
+Command recall(Recall which) {
+  Command c;
+  c.recall = which;
+  return c;
+}
+
 Command command(Part guide, std::initializer_list<double> axes, BySide<double> lift = {}) {
-  Command c{guide, Vec6::Zero(), lift};
+  Command c{guide, Vec6::Zero(), lift, Recall::none};
   std::copy(axes.begin(), axes.end(), c.axes.begin());
   return c;
 }
@@ -96,6 +102,44 @@ TEST_F(JoystickTest, AStickIsNeutralBeforeItIsArmed) {
   EXPECT_TRUE(joystick_->status().armed);
   stick.axis(1, -1.0);
   EXPECT_EQ(read().axes[4], 1.0);
+}
+
+TEST_F(JoystickTest, Av8rGoesBackWhileT3OrT4IsHeld) {
+  VirtualAv8r stick;
+  stick.button(6, true);
+  EXPECT_EQ(read(), Command{});
+  EXPECT_FALSE(joystick_->status().armed) << "a switch that springs back has to be let go first";
+  stick.button(6, false);
+  read();
+  EXPECT_TRUE(joystick_->status().armed);
+  stick.button(6, true);
+  EXPECT_EQ(read(), recall(Recall::retrace));
+  stick.button(7, true);
+  EXPECT_EQ(read(), recall(Recall::retrace)) << "of both, retrace wins";
+  stick.button(6, false);
+  EXPECT_EQ(read(), recall(Recall::home));
+  stick.button(7, false);
+  EXPECT_EQ(read(), Command{});
+}
+
+TEST_F(JoystickTest, PadGoesBackWhileBackOrStartAndTheDeadManButtonAreHeld) {
+  VirtualPad pad;
+  pad.button(SDL_CONTROLLER_BUTTON_BACK, true);
+  EXPECT_EQ(read(), Command{});
+  EXPECT_FALSE(joystick_->status().armed);
+  pad.button(SDL_CONTROLLER_BUTTON_BACK, false);
+  read();
+  ASSERT_TRUE(joystick_->status().armed);
+  pad.button(SDL_CONTROLLER_BUTTON_BACK, true);
+  EXPECT_EQ(read(), Command{}) << "not without the dead-man button";
+  pad.button(SDL_CONTROLLER_BUTTON_LEFTSHOULDER, true);
+  EXPECT_EQ(read(), recall(Recall::retrace));
+  pad.button(SDL_CONTROLLER_BUTTON_START, true);
+  EXPECT_EQ(read(), recall(Recall::retrace)) << "of both, retrace wins";
+  pad.button(SDL_CONTROLLER_BUTTON_BACK, false);
+  EXPECT_EQ(read(), recall(Recall::home));
+  pad.button(SDL_CONTROLLER_BUTTON_LEFTSHOULDER, false);
+  EXPECT_EQ(read(), Command{});
 }
 
 TEST_F(JoystickTest, ALeverCountsFromWhenItWasPulledBack) {

@@ -45,8 +45,8 @@ class MappingTest : public testing::Test {
       *axis = position();
     for (double* trigger : {&s.left_trigger, &s.right_trigger})
       *trigger = std::abs(position());
-    for (bool* button :
-         {&s.left_shoulder, &s.right_shoulder, &s.a, &s.b, &s.x, &s.y, &s.up, &s.down, &s.left, &s.right}) {
+    for (bool* button : {&s.left_shoulder, &s.right_shoulder, &s.a, &s.b, &s.x, &s.y, &s.back, &s.start, &s.up, &s.down,
+                         &s.left, &s.right}) {
       *button = held();
     }
     return s;
@@ -87,6 +87,7 @@ TEST_F(MappingTest, Av8rKeepsLeftAndRightApart) {
     EXPECT_EQ(b.axes, mirrored(a.axes));
     EXPECT_EQ(a.lift.left, b.lift.right);
     EXPECT_EQ(a.lift.right, b.lift.left);
+    EXPECT_EQ(a.recall, b.recall);
     EXPECT_EQ(is_foot(a.guide), is_foot(b.guide));
     EXPECT_EQ(is_hand(a.guide), is_hand(b.guide));
     if (a.guide != Part::trunk) {
@@ -108,6 +109,7 @@ TEST_F(MappingTest, Av8rSignsAreThoseOfTheTable) {
     const bool a = s.buttons[12];
     const bool b = s.buttons[13];
     EXPECT_EQ(c.guide, a == b ? Part::trunk : a ? Part::left_foot : Part::left_hand);
+    EXPECT_EQ(c.recall, s.buttons[6] ? Recall::retrace : s.buttons[7] ? Recall::home : Recall::none);
   }
 }
 
@@ -181,6 +183,7 @@ TEST_F(MappingTest, PadSignsAreThoseOfTheTable) {
     EXPECT_LE(c.axes[2] * s.right_down, 0.0);
     EXPECT_EQ(c.axes[3], s.right - s.left);
     EXPECT_EQ(c.axes[4], s.up - s.down);
+    EXPECT_EQ(c.recall, s.back ? Recall::retrace : s.start ? Recall::home : Recall::none);
     EXPECT_LE(c.axes[5] * s.right_right, 0.0);
   }
 }

@@ -59,6 +59,20 @@ TEST(Script, HoldsEachCommandUntilTheNextLine) {
   EXPECT_EQ(script.status().name, "walk.jsonl");
 }
 
+TEST(Script, TheWaysBackAreLetGoOnTheNextLine) {
+  Script script = Script::parse(
+      "{\"t\": 1, \"guide\": \"left_foot\", \"retrace\": true}\n"
+      "{\"t\": 2}\n"
+      "{\"t\": 3, \"home\": true, \"retrace\": false}\n"
+      "{\"t\": 4, \"home\": false}\n",
+      "walk.jsonl");
+  EXPECT_EQ(script.read(0.0).recall, Recall::none);
+  EXPECT_EQ(script.read(1.0), (Command{Part::left_foot, Vec6::Zero(), {}, Recall::retrace}));
+  EXPECT_EQ(script.read(2.0), (Command{Part::left_foot, Vec6::Zero(), {}, Recall::none}));
+  EXPECT_EQ(script.read(3.0).recall, Recall::home);
+  EXPECT_EQ(script.read(4.0).recall, Recall::none);
+}
+
 TEST(Script, ReadsTheTickThatFallsOnALine) {
   Script script = Script::parse("{\"t\": 0}\n{\"t\": 0.3, \"axes\": [1, 0, 0, 0, 0, 0]}", "s");
   double t = 0.0;
@@ -117,7 +131,13 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"{\"t\": \"2\"}", {"t = \"2\"", "seconds"}}, Bad{"{\"t\": -1}", {"t = -1", "seconds"}},
         Bad{"{\"t\": true}", {"t = true"}}, Bad{"{\"t\": 0.5}", {"t = 0.5", "at least 1"}},
         Bad{"{\"t\": 1, \"t\": 2}", {"\"t\"", "twice"}},
-        Bad{"{\"t\": 1, \"axis\": [0]}", {"unknown key \"axis\"", "axes"}},
+        Bad{"{\"t\": 1, \"axis\": [0]}", {"unknown key \"axis\"", "axes", "retrace", "home"}},
+        Bad{"{\"t\": 1, \"retrace\": 1}", {"retrace = 1", "true or false"}},
+        Bad{"{\"t\": 1, \"retrace\": null}", {"retrace = null", "true or false"}},
+        Bad{"{\"t\": 1, \"home\": \"true\"}", {"home = \"true\"", "true or false"}},
+        Bad{"{\"t\": 1, \"home\": [true]}", {"home = [true]", "true or false"}},
+        Bad{"{\"t\": 1, \"retrace\": true, \"home\": true}", {"retrace and home are both true"}},
+        Bad{"{\"t\": 1, \"home\": true, \"home\": true}", {"\"home\"", "twice"}},
         Bad{"{\"t\": 1, \"T\": 2}", {"unknown key \"T\""}}, Bad{"{\"t\": 1, \"a\\nb\": 2}", {"unknown key \"a\\nb\""}},
         Bad{"{\"t\": 1, \"guide\": \"left hand\"}", {"guide = \"left hand\"", "left_hand"}},
         Bad{"{\"t\": 1, \"guide\": null}", {"guide = null"}}, Bad{"{\"t\": 1, \"guide\": 2}", {"guide = 2"}},
