@@ -41,7 +41,10 @@ int plan(const PlanOptions& o) {
   const double end = script.duration() + o.seconds;
   while ((session.t() < end && !interrupted) || !session.resting()) {
     Command command = script.read(session.t());
-    if (session.t() >= end || interrupted) command.axes.setZero();
+    if (session.t() >= end || interrupted) {
+      command.axes.setZero();
+      command.recall = Recall::none;
+    }
     session.step(command);
   }
   const nlohmann::json result = {{"robot", robot.profile().name}, {"world", world.name()}, {"segments", segments}};

@@ -56,6 +56,8 @@ nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
                          {"swing", nullptr},
                          {"T", motion.duration()},
                          {"durations_tried", motion.durations_tried},
+                         {"retraces", motion.retraces},
+                         {"limit", motion.limit ? to_json(*motion.limit) : nlohmann::json(nullptr)},
                          {"phases", phases},
                          {"knots", knots},
                          {"margins", to_json(motion.certificate)},

@@ -76,7 +76,7 @@ void Report::add(const TickRecord& record) {
     // A throttle that only stays up asks for nothing new.
     const bool lifts =
         is_foot(command.guide) && command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
-    if (!command.axes.isZero(0.0) || (!command.neutral() && lifts)) {
+    if (command.recall == Recall::none && (!command.axes.isZero(0.0) || (!command.neutral() && lifts))) {
       const Mat3 heading =
           nav.anchor().R * rotation_z(mean_yaw(yaw_of(nav.sample().sole.left.R), yaw_of(nav.sample().sole.right.R)));
       Interval interval;
@@ -101,6 +101,7 @@ void Report::add(const TickRecord& record) {
     segment_ = nav.segment();
     if (nav.motion() != nullptr) {
       ++committed_;
+      if (nav.motion()->limit) ++shrunk_[std::string(to_string(nav.motion()->limit->reason))];
       owner_ = planned_by_;
       segment_part_ = nav.motion()->goal.guided;
       segment_start_ = guided_pose(segment_part_);
@@ -132,7 +133,9 @@ void Report::add(const TickRecord& record) {
 void Report::add(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
   plan_.add(record.plan_us);
-  planned_by_ = record.problem.command.neutral() ? -1 : static_cast<long>(commands_.size()) - 1;
+  const Command& command = record.problem.command;
+  const bool steers = command.recall == Recall::none && !command.neutral();
+  planned_by_ = steers ? static_cast<long>(commands_.size()) - 1 : -1;
 }
 
 nlohmann::json Report::json(const std::string& world, const std::string& on, long seed, double wall) {
@@ -150,7 +153,8 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
           {"seed", seed},
           {"duration_s", duration_},
           {"falls", fallen_ ? 1 : 0},
-          {"segments", {{"committed", committed_}, {"refused", nlohmann::json(refused_)}}},
+          {"segments",
+           {{"committed", committed_}, {"shrunk", nlohmann::json(shrunk_)}, {"refused", nlohmann::json(refused_)}}},
           {"commands", {{"given", commands_.size()}, {"moved", moved}}},
           {"travel_m", travel_},
           {"plan_us", plan_.summary()},

@@ -57,6 +57,7 @@ class Report {
   Pose segment_start_;
   Vec3 com_start_ = Vec3::Zero();
   long committed_ = 0;
+  std::map<std::string, long> shrunk_;  ///< reason → motions that are a part of the way
   std::map<std::string, long> refused_;
   std::string last_refused_;
   double travel_ = 0.0;
