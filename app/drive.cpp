@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
@@ -17,12 +18,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kStuck = 3;  ///< commands refused in a row after which the operator is told what leads out
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 void refuse_modes_to_come(const DriveOptions& o) {
   if (o.gait != "stop") throw InputError(fmt::format("--gait {}: not there yet; --gait stop is", o.gait));
+}
+
+/// To be said once in a row of refusals.
+void say_what_leads_out(const Navigator& navigator) {
+  spdlog::warn("{} commands in a row were refused, nothing goes from here: {}home (H, T4, Start) leads out",
+               navigator.refused_in_a_row(), navigator.history() > 0 ? "retrace (Backspace, T3, Back) or " : "");
 }
 
 }  // namespace
@@ -50,6 +59,7 @@ int drive(const DriveOptions& o) {
   const Clock::time_point start = Clock::now();
   const double period = robot.profile().tick.period;
   bool stopping = false;
+  bool stuck = false;
   while (!o.seconds || session.t() < *o.seconds - 0.5 * period) {
     if (interrupted && !stopping) {
       stopping = true;
@@ -58,6 +68,8 @@ int drive(const DriveOptions& o) {
     if (stopping && session.resting()) break;
     session.step(stopping ? Command{} : inputs.read(session.t()));
     if (view) view->show(session, inputs.status());
+    const bool was_stuck = std::exchange(stuck, session.navigator().refused_in_a_row() >= kStuck);
+    if (stuck && !was_stuck) say_what_leads_out(session.navigator());
     if (session.fallen()) {
       session.step(Command{});  // the plan is cleared and the motors go soft: the last row says so
       break;

@@ -1,0 +1,164 @@
+/// The ways back by the program: what a script makes of them, and what plan, report and log say.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "app/app.hpp"
+#include "app/outputs.hpp"
+#include "baton/input/script.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace baton {
+namespace {
+
+using nlohmann::json;
+using test::Outcome;
+using test::run;
+using test::Scratch;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kWalk = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
+{"t": 2}
+)";
+/// Onto the other foot.
+const std::string kThreeRefusals = R"({"t": 0.2, "guide": "left_foot", "axes": [0, -1, 0, 0, 0, 0]}
+{"t": 0.6}
+{"t": 0.8, "axes": [0, -0.9, 0, 0, 0, 0]}
+{"t": 1.2}
+{"t": 1.4, "axes": [0, -1, 0, 0, 0, 0]}
+{"t": 1.8}
+)";
+
+/// The report of a script on the ideal robot, and what was logged.
+std::pair<json, std::string> drive(const std::string& script, const std::string& seconds,
+                                   const std::string& on_limit = "shrink") {
+  const Scratch scratch;
+  const Outcome outcome =
+      run({"drive", "--on", "ideal", "--world", "flat", "--fast", "--seconds", seconds, "--on-limit", on_limit,
+           "--input", "script:" + scratch.write("s.jsonl", script), "--report", scratch.path("r.json")});
+  EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
+  return {scratch.json("r.json"), outcome.err};
+}
+
+json plan(const std::string& script) {
+  const Scratch scratch;
+  const Outcome outcome = run({"plan", scratch.write("s.jsonl", script)});
+  EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
+  return json::parse(outcome.out)["segments"];
+}
+
+double distance(const json& a, const json& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 3; ++i)
+    sum += std::pow(a[i].get<double>() - b[i].get<double>(), 2);
+  return std::sqrt(sum);
+}
+
+int times(const std::string& words, const std::string& text) {
+  int n = 0;
+  for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
+    ++n;
+  return n;
+}
+
+TEST(Recall, RetraceGoesBackToTheStartAndIsRefusedThere) {
+  const json start = drive(R"({"t": 0})", "0.1").first["final"];
+  const json there = drive(kWalk, "4").first["final"];
+  EXPECT_GT(distance(start["com"], there["com"]), 0.05);
+  const auto [report, log] = drive(kWalk + R"({"t": 4, "retrace": true})", "12");
+  for (const char* part : {"left_foot", "right_foot", "left_hand", "right_hand", "trunk"})
+    EXPECT_LT(distance(start[part]["p"], report["final"][part]["p"]), 1e-3) << part;
+  EXPECT_EQ(report["segments"]["refused"], json({{"no_history", 1}}));
+  EXPECT_EQ(report["commands"]["given"], 1) << "a way back is no command of the stick";
+  EXPECT_EQ(report["commands"]["moved"], 1);
+}
+
+TEST(Recall, RetraceEndsWhenItIsLetGo) {
+  const double there = drive(kWalk, "4").first["final"]["com"][0];
+  const double back =
+      drive(kWalk + R"({"t": 4, "retrace": true})" + "\n" + R"({"t": 4.1})", "12").first["final"]["com"][0];
+  EXPECT_LT(back, there - 0.005);
+  EXPECT_GT(back, 0.02) << "one motion back, not all of them";
+}
+
+TEST(Recall, HomeStepsToTheStanceThatItBeganIn) {
+  const std::string apart = R"({"t": 0.2, "guide": "left_foot", "axes": [1, 0.5, 0, 0, 0, 0]}
+{"t": 0.4, "guide": "left_hand"}
+{"t": 1.5, "axes": [1, 0, 1, 0, 0, 0]}
+{"t": 2}
+)";
+  const json start = drive(R"({"t": 0})", "0.1").first["final"];
+  const json there = drive(apart, "4").first["final"];
+  const auto [report, log] = drive(apart + R"({"t": 4, "home": true})", "12");
+  const json& final = report["final"];
+  const auto across = [](const json& of, int i) {
+    return of["left_foot"]["p"][i].get<double>() - of["right_foot"]["p"][i].get<double>();
+  };
+  EXPECT_GT(std::abs(across(there, 0)), 0.01);
+  EXPECT_NEAR(across(final, 0), 0.0, 1e-3);
+  EXPECT_NEAR(across(final, 1), across(start, 1), 1e-3);
+  EXPECT_NEAR(final["com"][2], start["com"][2], 1e-3);
+  EXPECT_EQ(report["segments"]["refused"], json::object());
+}
+
+TEST(Recall, ThreeRefusalsInARowAreSaidOnceUntilAMotionIsMade) {
+  const std::string said = "commands in a row were refused";
+  const auto [report, log] = drive(kThreeRefusals, "2", "discard");
+  ASSERT_EQ(report["segments"]["committed"], 0) << "the commands are to be refused";
+  EXPECT_EQ(times(said, log), 1) << log;
+  EXPECT_THAT(log, HasSubstr("home"));
+  EXPECT_THAT(log, Not(HasSubstr("retrace"))) << "there is nothing to retrace";
+
+  const std::string more = kThreeRefusals + R"({"t": 2, "axes": [0, -0.8, 0, 0, 0, 0]}
+{"t": 2.4, "guide": "trunk"}
+{"t": 3, "axes": [1, 0, 0, 0, 0, 0]}
+{"t": 3.2, "guide": "left_foot"}
+)";
+  EXPECT_EQ(times(said, drive(more, "6", "discard").second), 1);
+  std::string again = more;
+  for (const char* t : {"7", "8", "9"})
+    again += std::string(R"({"t": )") + t + R"(, "axes": [0, -1, 0, 0, 0, 0]})" + "\n" + R"({"t": )" + t + ".5}\n";
+  const std::string both = drive(again, "10", "discard").second;
+  EXPECT_EQ(times(said, both), 2) << both;
+  EXPECT_EQ(times("retrace", both), 1) << "by then there is something to retrace";
+}
+
+TEST(Recall, ThePlanTellsWhatWasShrunkAndWhatRetraces) {
+  const std::string outward = R"({"t": 0.2, "guide": "left_foot", "axes": [0, 1, 0, 0, 0, 0]}
+{"t": 6, "retrace": true}
+)";
+  int shrunk = 0;
+  int back = 0;
+  std::map<std::string, int> reasons;
+  for (const json& segment : plan(outward)) {
+    if (segment.contains("refused")) continue;
+    back += segment["retraces"].get<bool>() ? 1 : 0;
+    if (segment["limit"].is_null()) continue;
+    ++shrunk;
+    ++reasons[segment["limit"]["reason"].get<std::string>()];
+    EXPECT_FALSE(segment["retraces"].get<bool>());
+    for (const char* key : {"reason", "part", "value", "limit", "where"})
+      EXPECT_TRUE(segment["limit"].contains(key)) << key;
+    EXPECT_EQ(segment["limit"]["part"], "left_foot");
+  }
+  EXPECT_GE(shrunk, 1) << "the last step outward is only a part of what was asked";
+  EXPECT_GE(back, 1);
+  const json counted = drive(outward, "7").first["segments"]["shrunk"];
+  EXPECT_EQ(counted, json(reasons)) << "the report counts the same";
+}
+
+TEST(Recall, AScriptThatIsWrittenIsReadTheSame) {
+  std::string text;
+  for (const Recall recall : {Recall::none, Recall::retrace, Recall::home}) {
+    Command command;
+    command.recall = recall;
+    text += app::script_line(static_cast<double>(recall), command) + "\n";
+  }
+  Script script = Script::parse(text, "written");
+  for (const Recall recall : {Recall::none, Recall::retrace, Recall::home})
+    EXPECT_EQ(script.read(static_cast<double>(recall)).recall, recall);
+}
+
+}  // namespace
+}  // namespace baton
