@@ -62,7 +62,9 @@ void View::show(const Session& session, const DeviceStatus& device) {
     frame.goal = std::move(goal);
     frame.segment_time = session.t() - segment_start_;
     frame.segment_duration = nav.motion()->duration();
+    frame.limit = nav.motion()->limit;
   }
+  frame.history = nav.history();
   frame.contact = plan.contact;
   const BySide<Pose> sole{in_world(anchor, plan.sole.left), in_world(anchor, plan.sole.right)};
   frame.support_height = plan.zmp_height + anchor.p.z();
@@ -72,6 +74,7 @@ void View::show(const Session& session, const DeviceStatus& device) {
   frame.dcm = (anchor * nav.state().dcm(session.robot().omega())).head<2>();
   frame.refusal = refusal_;
   frame.refusals = refusals_;
+  frame.refused_in_a_row = nav.refused_in_a_row();
   frame.fallen = session.fallen();
   if (frame.fallen) frame.message = "The robot fell: " + truth.fall + ".";
   cockpit_.publish(std::move(frame));

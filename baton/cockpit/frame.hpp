@@ -25,6 +25,8 @@ struct Frame {
   std::optional<Goal> goal;       ///< of the committed motion; nothing at rest
   double segment_time = 0.0;      ///< since the start of that motion [s]
   double segment_duration = 0.0;  ///< of the whole motion [s]
+  std::optional<Refusal> limit;   ///< what spoke against the whole way, if that motion is only a part of it
+  std::size_t history = 0;        ///< motions that can be retraced
 
   BySide<bool> contact{true, true};  ///< which soles stand
   ConvexPolygon support;             ///< support polygon
@@ -35,6 +37,7 @@ struct Frame {
 
   std::optional<Refusal> refusal;  ///< the newest
   int refusals = 0;                ///< their number since the start: tells a new one from an old one
+  int refused_in_a_row = 0;        ///< different commands refused since the last motion
   std::string message;             ///< one sentence for the operator; may be empty
   bool fallen = false;
 };

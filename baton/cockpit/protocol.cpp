@@ -1,6 +1,7 @@
 #include "baton/cockpit/protocol.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -63,6 +64,14 @@ json refusal(const Refusal& refusal) {
           {"where", refusal.where}};
 }
 
+constexpr std::array<std::string_view, 3> kRecalls{"none", "retrace", "home"};
+
+std::optional<Recall> recall_named(std::string_view name) {
+  const auto* found = std::find(kRecalls.begin(), kRecalls.end(), name);
+  if (found == kRecalls.end()) return std::nullopt;
+  return static_cast<Recall>(found - kRecalls.begin());
+}
+
 std::optional<Part> part_named(std::string_view name) {
   const auto* found = std::find_if(kParts.begin(), kParts.end(), [name](Part part) { return to_string(part) == name; });
   return found == kParts.end() ? std::nullopt : std::optional<Part>(*found);
@@ -93,6 +102,11 @@ PageMessage parse_command(const json& message) {
   const auto lift = [&](std::size_t i) -> double& { return steer.command.lift[kSides.at(i)]; };
   if (!read_numbers(message, "axes", 6, axis)) return Malformed{"command: axes are not 6 numbers"};
   if (!read_numbers(message, "lift", 2, lift)) return Malformed{"command: lift is not 2 numbers"};
+  const auto recalled = message.find("recall");
+  if (recalled == message.end() || !recalled->is_string()) return Malformed{"command: recall is not a text"};
+  const std::optional<Recall> recall = recall_named(recalled->get_ref<const std::string&>());
+  if (!recall) return Malformed{"command: recall is not none, retrace or home"};
+  steer.command.recall = *recall;
   if (deadman == message.end() || !deadman->is_boolean()) return Malformed{"command: deadman is not true or false"};
   steer.deadman = deadman->get<bool>();
   return steer;
@@ -128,6 +142,7 @@ std::string state_message(const Frame& frame, const RobotModel& robot, Role role
                      {"guide", to_string(frame.command.guide)},
                      {"axes", numbers(frame.command.axes)},
                      {"lift", {number(frame.command.lift.left), number(frame.command.lift.right)}},
+                     {"recall", kRecalls.at(static_cast<std::size_t>(frame.command.recall))},
                      {"device",
                       {{"name", frame.device.name},
                        {"connected", frame.device.connected},
@@ -143,6 +158,9 @@ std::string state_message(const Frame& frame, const RobotModel& robot, Role role
                      {"dcm", numbers(frame.dcm)},
                      {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
                      {"refusals", frame.refusals},
+                     {"refused_in_a_row", frame.refused_in_a_row},
+                     {"limit", frame.limit ? refusal(*frame.limit) : json(nullptr)},
+                     {"history", frame.history},
                      {"message", frame.message},
                      {"fallen", frame.fallen}};
   return message.dump(-1, ' ', false, json::error_handler_t::replace);

@@ -125,7 +125,10 @@ class Browser {
              {"guide", to_string(command.guide)},
              {"axes", std::vector<double>(command.axes.begin(), command.axes.end())},
              {"lift", {command.lift.left, command.lift.right}},
-             {"deadman", deadman}}
+             {"deadman", deadman},
+             {"recall", command.recall == Recall::none      ? "none"
+                        : command.recall == Recall::retrace ? "retrace"
+                                                            : "home"}}
             .dump());
   }
 
@@ -267,6 +270,10 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
   frame_.goal->sole.left.p.x() = 0.5;
   frame_.refusal = Refusal{Reason::joint_limit, Part::left_hand, 1.5, 1.4, "elb\xffow"};
   frame_.refusals = 7;
+  frame_.refused_in_a_row = 3;
+  frame_.limit = Refusal{Reason::foot_region, Part::left_foot, 0.12, 0.11, "forward"};
+  frame_.history = 12;
+  frame_.command.recall = Recall::home;
   frame_.support = robot_.sole(Side::left);
   for (Browser* page : {&first, &second}) {
     const json state = state_of(*page, [](const json& s) { return s["t"] > 0.0; });
@@ -278,6 +285,11 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
     EXPECT_NEAR(state["goal"]["soles"][0][0][0].get<double>(), 0.5 + robot_.sole(Side::left).vertices()[0].x(), 1e-4);
     EXPECT_EQ(state["refusal"]["reason"], "joint_limit");
     EXPECT_EQ(state["refusals"], 7);
+    EXPECT_EQ(state["refused_in_a_row"], 3);
+    EXPECT_EQ(state["limit"]["reason"], "foot_region");
+    EXPECT_EQ(state["limit"]["where"], "forward");
+    EXPECT_EQ(state["history"], 12);
+    EXPECT_EQ(state["recall"], "home");
     EXPECT_EQ(state["support"].size(), 4u);
     EXPECT_EQ(state["role"], "watcher");
     EXPECT_EQ(state["taken"], false);
@@ -333,6 +345,31 @@ TEST_F(CockpitTest, CommandsCountOnceTheDriverWasNeutral) {
   EXPECT_EQ(device.read(0.2), Command{});
 }
 
+TEST_F(CockpitTest, TheWaysBackAreCommandsLikeOthers) {
+  Device& device = cockpit_.device();
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  const Command retrace{.recall = Recall::retrace};
+  const Command home{.recall = Recall::home};
+  page.steer(retrace);
+  page.settle();
+  EXPECT_EQ(device.read(0.0), Command{}) << "the driver was not neutral yet";
+  page.steer({});
+  page.steer(retrace);
+  page.settle();
+  EXPECT_EQ(device.read(0.1), retrace);
+  page.steer(home);
+  page.settle();
+  EXPECT_EQ(device.read(0.2), home);
+  EXPECT_EQ(device.read(0.5), Command{}) << "the driver is silent";
+  page.steer(home, /*deadman=*/false);
+  page.settle();
+  EXPECT_EQ(device.read(0.6), Command{});
+  const json state = state_of(page, [](const json& s) { return s["t"] > 0.0; });
+  EXPECT_EQ(state["recall"], "none");
+  EXPECT_TRUE(state["limit"].is_null());
+}
+
 TEST_F(CockpitTest, ASilentDriverCountsAsCentred) {
   Device& device = cockpit_.device();
   Browser page(port_);
@@ -363,7 +400,8 @@ TEST_F(CockpitTest, WhatIsNotANumberIsCentred) {
   Browser page(port_);
   page.say(R"({"type":"drive"})");
   page.steer({});
-  page.say(R"({"type":"command","guide":"trunk","axes":[null,1e9,-7,0,0,0],"lift":[null,3],"deadman":true})");
+  page.say(
+      R"({"type":"command","guide":"trunk","axes":[null,1e9,-7,0,0,0],"lift":[null,3],"deadman":true,"recall":"none"})");
   page.settle();
   const Command command = cockpit_.device().read(0.0);
   EXPECT_EQ(command.axes, (Vec6() << 0, 1, -1, 0, 0, 0).finished());
@@ -375,22 +413,32 @@ TEST_F(CockpitTest, ComplainsAboutMalformedMessages) {
   Browser page(port_);
   page.say(R"({"type":"drive"})");
   page.steer({});
-  for (const std::string& text : {
-           std::string(""),
-           std::string("{"),
-           std::string("[]"),
-           std::string("7"),
-           std::string("{}"),
-           std::string("\xff\xfe"),
-           std::string(4000, '['),
-           std::string(R"({"type":7})"),
-           std::string(R"({"type":"command"})"),
-           std::string(R"({"type":"command","guide":"tail","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":true})"),
-           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0],"lift":[0,0],"deadman":true})"),
-           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,"1"],"lift":[0,0],"deadman":true})"),
-           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,0],"lift":0,"deadman":true})"),
-           std::string(R"({"type":"command","guide":"trunk","axes":[0,0,0,0,0,0],"lift":[0,0],"deadman":1})"),
-       }) {
+  std::vector<std::string> malformed{
+      "", "{", "[]", "7", "{}", "\xff\xfe", std::string(4000, '['), R"({"type":7})", R"({"type":"command"})"};
+  const json good{{"type", "command"}, {"guide", "trunk"}, {"axes", {0, 0, 0, 0, 0, 0}},
+                  {"lift", {0, 0}},    {"deadman", true},  {"recall", "none"}};
+  const std::vector<std::pair<std::string, json>> changes{{"guide", "tail"},
+                                                          {"axes", {0, 0, 0, 0, 0}},
+                                                          {"axes", {0, 0, 0, 0, 0, "1"}},
+                                                          {"lift", 0},
+                                                          {"deadman", 1},
+                                                          {"recall", "back"},
+                                                          {"recall", ""},
+                                                          {"recall", true},
+                                                          {"recall", nullptr},
+                                                          {"recall", 1},
+                                                          {"recall", json::array({"home"})}};
+  for (const auto& [key, value] : changes) {
+    json message = good;
+    message[key] = value;
+    malformed.push_back(message.dump());
+  }
+  for (const auto& entry : good.items()) {
+    json message = good;
+    message.erase(entry.key());
+    malformed.push_back(message.dump());
+  }
+  for (const std::string& text : malformed) {
     EXPECT_NE(page.error_after(text), "") << text;
   }
   EXPECT_NE(page.error_after("{}", MG_WEBSOCKET_OPCODE_BINARY), "");

@@ -1,5 +1,5 @@
 /** A gamepad with the browser's "standard" mapping as a stick. Knows nothing of the browser. */
-import type { Part } from './protocol';
+import { oneOf, type Part, type Recall } from './protocol';
 
 /** What is needed of the browser's Gamepad. */
 export interface Pad {
@@ -14,9 +14,14 @@ export interface Pad {
 export interface PadInput {
   axes: number[];
   lift: [number, number];
+  recall: Recall;
   deadman: boolean;
   choose: Part | null; // a part whose button was pressed since the last reading
 }
+
+/** Whether anything that springs back is held; the bumper aside. */
+export const touched = ({ axes, lift, recall }: PadInput): boolean =>
+  recall !== 'none' || [...axes, ...lift].some((value) => value !== 0);
 
 export const deadZone = 0.08;
 const curve = 0.5; // c: 0 straight … 1 cubic
@@ -85,13 +90,14 @@ export class Gamepad {
         -axis(2), // yaw: right stick left
       ].map((value) => value + 0), // no −0
       lift: [trigger(Button.LT), trigger(Button.RT)],
+      recall: oneOf([pressed(Button.Back) ? 'retrace' : 'none', pressed(Button.Start) ? 'home' : 'none']),
       deadman: !this.needsHold || pressed(Button.LB),
       choose: this.newChoice(pressed),
     };
-    if ([...input.axes, ...input.lift].every((value) => value === 0)) this.armed = true;
+    if (!touched(input)) this.armed = true;
     return this.armed
       ? input
-      : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], deadman: false, choose: input.choose };
+      : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], recall: 'none', deadman: false, choose: input.choose };
   }
 
   /** The one button pressed of those that choose; two at once choose nothing. */

@@ -1,12 +1,13 @@
 /** The panels around the view. */
 import { colours } from './markers';
-import { inWords, parts, type Model, type Part, type State, type Value } from './protocol';
-import { RefusalLog } from './refusals';
+import { inWords, parts, type Model, type Part, type Recall, type State, type Value } from './protocol';
+import { recallText, stuckText } from './recall';
+import { limitText, RefusalLog } from './refusals';
 import type { Stick } from './stick';
 
 const axisNames = ['forward', 'left', 'up', 'roll', 'pitch', 'yaw'];
 const axisKeys = ['W S', 'A D', 'R F', '→ ←', '↑ ↓', 'Q E'];
-const freshFor = 2500; // a refusal stays in the foreground [ms]
+const freshFor = 2500; // a refusal or a limit stays in the foreground [ms]
 
 function element<T extends HTMLElement = HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -30,6 +31,7 @@ const metres = (values: Value[]): string => `${values.map(millimetre).join('  ')
 export interface Actions {
   takeOrLeave(): void;
   toggleFollow(): void;
+  moved(): void; // the stick, by a button
 }
 
 export class Hud {
@@ -38,10 +40,11 @@ export class Hud {
   private readonly sliders: HTMLInputElement[];
   private readonly refusals = new RefusalLog();
   private refusedAt = -Infinity;
+  private limitUntil = -Infinity;
 
   constructor(
     private readonly stick: Stick,
-    actions: Actions,
+    private readonly actions: Actions,
   ) {
     this.bars = axisNames.map((name, i) => this.addAxis(name, axisKeys[i]!));
     this.sliders = [...document.querySelectorAll<HTMLInputElement>('[data-lift]')];
@@ -63,6 +66,8 @@ export class Hud {
       stick.gamepad.needsHold = hold.checked;
       hold.blur();
     };
+    this.whilePressed('retrace');
+    this.whilePressed('home');
     this.onClick('take', actions.takeOrLeave);
     this.onClick('follow', actions.toggleFollow);
     this.onClick('help-button', () => this.toggleHelp());
@@ -85,8 +90,9 @@ export class Hud {
 
   toggleHelp(): void {
     const help = element<HTMLDialogElement>('help');
-    if (help.open) help.close();
-    else help.showModal();
+    if (help.open) return help.close();
+    help.showModal();
+    help.scrollTop = 0; // not where the focus is
   }
 
   /** A cover over the page while there is nothing to see; '' lifts it. */
@@ -136,7 +142,28 @@ export class Hud {
     note('hint', state.device.armed ? '' : state.device.hint);
     note('message', state.message || (state.fallen ? 'The robot has fallen.' : ''));
     element('message').classList.toggle('fallen', state.fallen);
+    this.wayBack(state, drives ? this.stick.recall() : 'none');
+    this.limited(state, now);
     this.refused(state, now);
+  }
+
+  private wayBack(state: State, asked: Recall): void {
+    const held = asked === 'none' ? state.recall : asked;
+    for (const way of ['retrace', 'home']) element(way).classList.toggle('on', way === held);
+    text('left', state.history > 0 ? String(state.history) : '');
+    note('recall', recallText(state));
+    note('stuck', stuckText(state.refused_in_a_row, state.history));
+  }
+
+  /** Shown a little longer than the motion lasts, but not while another one goes all the way. */
+  private limited({ limit, goal }: State, now: number): void {
+    if (limit) {
+      this.limitUntil = now + freshFor;
+      text('limit', limitText(limit));
+    } else if (goal) {
+      this.limitUntil = now;
+    }
+    element('limit').hidden = now >= this.limitUntil;
   }
 
   private refused(state: State, now: number): void {
@@ -145,6 +172,7 @@ export class Hud {
       count > 1 ? `${what} ×${count}` : what;
     if (this.refusals.add(state.refusal, state.refusals)) {
       this.refusedAt = now;
+      this.limitUntil = now;
       note('refusal', entries[0]!.text);
       const older = entries.slice(1).map((entry) => {
         const item = document.createElement('li');
@@ -174,6 +202,31 @@ export class Hud {
       action();
       button.blur();
     };
+  }
+
+  /** A button of a way back: only while it is pressed, and the pointer on it. */
+  private whilePressed(way: Exclude<Recall, 'none'>): void {
+    const button = element<HTMLButtonElement>(way);
+    const { buttons } = this.stick;
+    let pointer: number | null = null;
+    button.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
+      pointer = event.pointerId;
+      if (button.hasPointerCapture(pointer)) button.releasePointerCapture(pointer); // a finger may leave
+      buttons.add(way);
+      this.actions.moved();
+    });
+    const end = (event: PointerEvent): void => {
+      if (event.pointerId !== pointer) return;
+      pointer = null;
+      buttons.delete(way);
+      button.blur(); // Space is a key of the stick
+      this.actions.moved();
+    };
+    button.addEventListener('pointerleave', end);
+    addEventListener('pointerup', end); // wherever it is
+    addEventListener('pointercancel', end);
+    button.addEventListener('contextmenu', (event) => event.preventDefault()); // of a long touch
   }
 
   private addAxis(name: string, keys: string): HTMLElement {

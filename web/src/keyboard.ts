@@ -1,4 +1,5 @@
 /** Keys as a stick: held keys deflect the axes fully, with Shift by half. Knows nothing of the browser. */
+import { oneOf, type Recall } from './protocol';
 
 /** Key (its place on an English keyboard) → axis and direction. */
 const axisKeys: Record<string, [axis: number, sign: number]> = {
@@ -16,13 +17,16 @@ const axisKeys: Record<string, [axis: number, sign: number]> = {
   KeyE: [5, -1],
 };
 
+/** Key → way back, while it is held. */
+const recallKeys: Record<string, Recall> = { Backspace: 'retrace', KeyH: 'home', Home: 'home' };
+
 export class Keyboard {
   private readonly held = new Set<string>();
   private half = false;
 
   /** True if the key is one of the stick's. */
   press(code: string): boolean {
-    if (!(code in axisKeys)) return false;
+    if (!(code in axisKeys) && !(code in recallKeys)) return false;
     this.held.add(code);
     return true;
   }
@@ -43,9 +47,13 @@ export class Keyboard {
   axes(): number[] {
     const axes = [0, 0, 0, 0, 0, 0];
     for (const code of this.held) {
-      const [axis, sign] = axisKeys[code]!;
+      const [axis, sign] = axisKeys[code] ?? [0, 0];
       axes[axis]! += sign * (this.half ? 0.5 : 1);
     }
     return axes;
+  }
+
+  recall(): Recall {
+    return oneOf([...this.held].map((code) => recallKeys[code] ?? 'none'));
   }
 }

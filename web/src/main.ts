@@ -22,6 +22,7 @@ const hud = new Hud(stick, {
     link.send({ type: wantsToDrive ? 'drive' : 'release' });
   },
   toggleFollow,
+  moved: () => send(false),
 });
 
 function toggleFollow(): void {
@@ -61,9 +62,10 @@ function letGo(): void {
 
 addEventListener('keydown', (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return stick.letGo(); // the browser's own
-  if (document.querySelector('dialog[open]') && event.code !== 'KeyH') return;
+  const help = event.key === '?' || event.code === 'Slash';
+  if (document.querySelector('dialog[open]') && !help) return;
   stick.keyboard.shift(event.shiftKey);
-  if (event.code === 'KeyH') {
+  if (help) {
     if (!event.repeat) hud.toggleHelp();
   } else if (event.code === 'KeyC') {
     if (!event.repeat) toggleFollow();
@@ -125,6 +127,7 @@ link.onState = (newest) => {
   const newly = newest.role === 'driver' && state?.role !== 'driver';
   state = newest;
   if (newly) stick.letGo();
+  if (newest.role === 'driver' && newest.recall !== 'none') stick.goingBack(newest.contact);
   hud.cover('');
 };
 link.onClose = () => {

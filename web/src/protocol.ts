@@ -8,11 +8,21 @@ export const isFoot = (part: Part): boolean => part.endsWith('_foot');
 /** "left_foot" → "left foot" */
 export const inWords = (name: string): string => name.replaceAll('_', ' ');
 
+/** A way back while it is held: what was done last, backwards; to the stance it began in. */
+export type Recall = 'none' | 'retrace' | 'home';
+
+/** One of those held: retrace wins. */
+export const oneOf = (held: Iterable<Recall>): Recall => {
+  const all = new Set(held);
+  return all.has('retrace') ? 'retrace' : all.has('home') ? 'home' : 'none';
+};
+
 /** What the page asks for: x forward, y left, z up, roll, pitch, yaw in −1…1; lift of each foot in 0…1. */
 export interface Command {
   guide: Part;
   axes: number[];
   lift: [number, number];
+  recall: Recall;
   deadman: boolean;
 }
 
@@ -45,9 +55,12 @@ export interface State {
   guide: Part;
   axes: Value[];
   lift: Value[];
+  recall: Recall;
   device: { name: string; connected: boolean; armed: boolean; hint: string };
   goal: Goal | null;
   segment: { time: Value; duration: Value };
+  limit: Refusal | null; // what spoke against the whole way, if the motion is only a part of it
+  history: number; // motions that can be retraced
   contact: [boolean, boolean];
   support: Value[][];
   support_height: Value;
@@ -56,6 +69,7 @@ export interface State {
   dcm: Value[];
   refusal: Refusal | null;
   refusals: number;
+  refused_in_a_row: number; // different commands since the last motion
   message: string;
   fallen: boolean;
 }

@@ -3,7 +3,7 @@ import { inWords, type Refusal, type Value } from './protocol';
 
 type Unit = 'length' | 'angle' | 'speed' | 'acceleration' | 'share' | 'ratio' | 'none';
 
-const reasons: Record<string, { text: string; unit: Unit }> = {
+const reasons: Record<string, { text: string; unit: Unit; noPart?: true }> = {
   foot_region: { text: 'the foothold would lie outside its reach', unit: 'length' },
   foot_yaw: { text: 'the feet would be turned too far from each other', unit: 'angle' },
   sole_gap: { text: 'the soles would come too close to each other', unit: 'length' },
@@ -12,6 +12,7 @@ const reasons: Record<string, { text: string; unit: Unit }> = {
   trunk_inclination: { text: 'the trunk would tilt too far', unit: 'angle' },
   no_progress: { text: 'no foothold brings the robot nearer to the goal', unit: 'none' },
   no_landing: { text: 'the lifted foot could not be put down again from there', unit: 'none' },
+  no_history: { text: 'nothing left to retrace', unit: 'none', noPart: true },
   zmp: { text: 'the robot would come too near to tipping over an edge of its soles', unit: 'length' },
   unreachable: { text: 'arms and legs cannot take up that posture', unit: 'ratio' },
   joint_limit: { text: 'a joint would come too near to the end of its range', unit: 'angle' },
@@ -54,7 +55,9 @@ function numbers(value: Value, limit: Value, unit: Unit): string {
 
 /** "left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)" */
 export function refusalText({ reason, part, value, limit, where }: Refusal): string {
-  let { text, unit } = reasons[reason] ?? { text: inWords(reason), unit: 'ratio' as Unit };
+  const known = reasons[reason] ?? { text: inWords(reason), unit: 'ratio' as Unit };
+  if (known.noPart) return known.text;
+  let { text, unit } = known;
   const cause = reasons[where]; // what speaks against every foothold
   if (cause) {
     text += `: ${cause.text}`;
@@ -64,6 +67,9 @@ export function refusalText({ reason, part, value, limit, where }: Refusal): str
   }
   return `${inWords(part)}: ${text}${numbers(value, limit, unit)}`;
 }
+
+/** Of a motion that goes only a part of the way: what spoke against the whole. */
+export const limitText = (limit: Refusal): string => `as far as it goes: ${refusalText(limit)}`;
 
 /** The last few refusals, newest first; one that comes again and again counts up instead. */
 export class RefusalLog {

@@ -1,17 +1,19 @@
 /** All that the operator holds, as one command: the pad while it is touched, else keys and sliders. */
-import { Gamepad, type Pad } from './gamepad';
+import { Gamepad, touched, type Pad } from './gamepad';
 import { Keyboard } from './keyboard';
-import { isFoot, parts, type Command, type Part } from './protocol';
+import { isFoot, oneOf, parts, type Command, type Part, type Recall } from './protocol';
 
 export class Stick {
   guide: Part = 'trunk';
   lift: [number, number] = [0, 0]; // of the sliders
+  readonly buttons = new Set<Recall>(); // those of the page that are pressed
   readonly keyboard = new Keyboard();
   readonly gamepad = new Gamepad();
 
   /** Centres all that could be held: the page lost its keys, or the operator wants to stop. */
   letGo(): void {
     this.keyboard.releaseAll();
+    this.buttons.clear();
     this.lift = [0, 0];
   }
 
@@ -32,17 +34,30 @@ export class Stick {
     return true;
   }
 
+  /** The way back that keys and buttons of the page ask for. */
+  recall(): Recall {
+    return oneOf([this.keyboard.recall(), ...this.buttons]);
+  }
+
+  /** On a way back, a foot that stands is not lifted again afterwards. */
+  goingBack(contact: readonly [boolean, boolean]): void {
+    contact.forEach((stands, foot) => {
+      if (stands) this.lift[foot] = 0;
+    });
+  }
+
   /** The command of this moment. */
   command(pad: Pad | null): Command {
     const held = this.gamepad.read(pad);
     if (held?.choose) this.guide = held.choose;
-    const touched = held !== null && [...held.axes, ...held.lift].some((value) => value !== 0);
     const axes = this.keyboard.axes();
-    const idle = axes.every((value) => value === 0);
-    if (touched && (held.deadman || idle)) {
-      return { guide: this.guide, axes: held.axes, lift: held.lift, deadman: held.deadman };
+    const recall = this.recall();
+    const idle = recall === 'none' && axes.every((value) => value === 0);
+    if (held !== null && touched(held) && (held.deadman || idle)) {
+      const { axes, lift, recall, deadman } = held;
+      return { guide: this.guide, axes, lift, recall, deadman };
     }
-    return { guide: this.guide, axes, lift: [...this.lift], deadman: true };
+    return { guide: this.guide, axes, lift: [...this.lift], recall, deadman: true };
   }
 }
 

@@ -75,6 +75,26 @@ describe('the pad', () => {
     expect(stick.command(pad({ ...push, index: 1 })).axes[0]).toBe(0);
   });
 
+  test('goes back while Back or Start is held, and the bumper', () => {
+    const stick = armed();
+    const recall = (...buttons: number[]): string =>
+      stick.command(pad({ buttons: { ...LB, ...Object.fromEntries(buttons.map((b) => [b, 1])) } })).recall;
+    expect(recall(8)).toBe('retrace');
+    expect(recall(9)).toBe('home');
+    expect(recall(8, 9)).toBe('retrace');
+    expect(recall()).toBe('none');
+    expect(stick.command(pad({ buttons: { 8: 1 } })).deadman).toBe(false);
+    stick.press('KeyH');
+    expect(stick.command(pad({ buttons: { 8: 1 } }))).toMatchObject({ recall: 'home', deadman: true });
+  });
+
+  test('counts once Back and Start were let go, too', () => {
+    const stick = new Stick();
+    expect(stick.command(pad({ buttons: { ...LB, 8: 1 } })).recall).toBe('none');
+    stick.command(pad());
+    expect(stick.command(pad({ buttons: { ...LB, 8: 1 } })).recall).toBe('retrace');
+  });
+
   test('chooses parts, once for each press', () => {
     const stick = armed();
     const after = (buttons: Record<number, number>): string => stick.command(pad({ buttons })).guide;

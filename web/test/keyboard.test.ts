@@ -64,8 +64,53 @@ test('letting go centres everything and keeps the part', () => {
     guide: 'left_foot',
     axes: [0, 0, 0, 0, 0, 0],
     lift: [0, 0],
+    recall: 'none',
     deadman: true,
   });
+});
+
+test('Backspace retraces and H or Home goes home, while held', () => {
+  for (const [code, way] of [
+    ['Backspace', 'retrace'],
+    ['KeyH', 'home'],
+    ['Home', 'home'],
+  ] as const) {
+    const stick = new Stick();
+    expect(stick.press(code)).toBe(true);
+    expect(stick.command(null).recall).toBe(way);
+    expect(stick.command(null).axes).toEqual([0, 0, 0, 0, 0, 0]);
+    stick.keyboard.release(code);
+    expect(stick.command(null).recall).toBe('none');
+  }
+});
+
+test('of both ways back, retrace wins, be they keys or buttons', () => {
+  const stick = new Stick();
+  stick.buttons.add('home');
+  expect(stick.command(null).recall).toBe('home');
+  stick.press('Backspace');
+  expect(stick.command(null).recall).toBe('retrace');
+  stick.keyboard.release('Backspace');
+  expect(stick.command(null).recall).toBe('home');
+  stick.buttons.delete('home');
+  expect(stick.command(null).recall).toBe('none');
+});
+
+test('letting go ends a way back, of keys and of buttons', () => {
+  const stick = new Stick();
+  stick.press('KeyH');
+  stick.buttons.add('retrace');
+  stick.letGo();
+  expect(stick.command(null).recall).toBe('none');
+});
+
+test('on a way back, a foot that stands is not lifted again afterwards', () => {
+  const stick = new Stick();
+  stick.lift = [1, 0.5];
+  stick.goingBack([false, true]);
+  expect(stick.command(null).lift).toEqual([1, 0]);
+  stick.goingBack([true, true]);
+  expect(stick.command(null).lift).toEqual([0, 0]);
 });
 
 test('other keys are left to the browser', () => {

@@ -1,7 +1,7 @@
 import { readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
 import type { Refusal } from '../src/protocol';
-import { RefusalLog, refusalText } from '../src/refusals';
+import { limitText, RefusalLog, refusalText } from '../src/refusals';
 
 const refusal = (reason: string, change: Partial<Refusal> = {}): Refusal => ({
   reason,
@@ -32,6 +32,13 @@ test('names the part, the reason and the numbers', () => {
   );
   expect(text('no_progress')).toBe('left foot: no foothold brings the robot nearer to the goal');
   expect(text('zmp', { value: null })).not.toContain('(');
+  expect(text('no_history', { part: 'trunk', value: 0, limit: 0 })).toBe('nothing left to retrace');
+});
+
+test('a limit is the reason why a motion is only a part of the way', () => {
+  expect(limitText(refusal('foot_region'))).toBe(
+    'as far as it goes: left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)',
+  );
 });
 
 test('has words for every reason that the program knows', () => {

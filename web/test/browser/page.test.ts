@@ -3,7 +3,7 @@ import { spawn, type ChildProcess } from 'node:child_process';
 import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { chromium, type Browser, type Page } from 'playwright-core';
-import { afterAll, beforeAll, expect, test } from 'vitest';
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test } from 'vitest';
 
 const path = (relative: string): string => fileURLToPath(new URL(relative, import.meta.url));
 const program = process.env.BATON ?? path('../../../build/release/baton');
@@ -28,7 +28,7 @@ function start(): Promise<string> {
     '--on',
     'ideal',
     '--seconds',
-    '300',
+    '600',
     '--port',
     '0',
   ];
@@ -60,11 +60,10 @@ async function open(width: number, height: number): Promise<Page> {
 const role = (of: Page, wanted: string): Promise<unknown> =>
   of.waitForFunction((name) => document.getElementById('role')!.dataset.role === name, wanted, patience);
 
-const comX = (): Promise<number> =>
-  page
-    .locator('#com')
-    .innerText()
-    .then((text) => parseFloat(text));
+const com = async (axis: number): Promise<number> =>
+  parseFloat((await page.locator('#com').innerText()).split(/\s+/)[axis]!);
+const comX = (): Promise<number> => com(0);
+const comY = (): Promise<number> => com(1);
 
 beforeAll(async () => {
   url = await start();
@@ -88,6 +87,11 @@ afterAll(async () => {
     baton.kill('SIGINT');
     await ended;
   }
+});
+
+afterEach(async () => {
+  for (const key of ['w', 'a', 'd', 'h', 'Backspace']) await page.keyboard.up(key);
+  await page.mouse.up();
 });
 
 test('shows the robot', async () => {
@@ -146,6 +150,138 @@ test('W in trunk mode moves the robot forward', async () => {
   );
 });
 
+const atRest = (): Promise<unknown> =>
+  page.waitForFunction(
+    () => document.getElementById('segment')!.textContent === 'at rest',
+    null,
+    patience,
+  );
+
+const shown = (id: string, words: RegExp): Promise<void> =>
+  page.locator(id, { hasText: words }).waitFor({ state: 'visible', ...patience });
+
+/** How many motions can be retraced. */
+const left = (): Promise<number> => page.locator('#left').innerText().then(Number);
+
+const motionsMade = (from: number): Promise<unknown> =>
+  page.waitForFunction((n) => Number(document.getElementById('left')!.textContent) > n, from, patience);
+const motionsRetraced = (from: number): Promise<unknown> =>
+  page.waitForFunction((n) => Number(document.getElementById('left')!.textContent) < n, from, patience);
+
+describe('the ways back', () => {
+  /** To the right, where the floor is wide. */
+  async function walk(motions: number): Promise<number> {
+    await page.keyboard.press('5');
+    await page.keyboard.down('d');
+    await motionsMade(motions - 1);
+    await page.keyboard.up('d');
+    await atRest();
+    return comY();
+  }
+
+  /** The way back is over: the robot comes to rest and stays there. */
+  async function hasEnded(): Promise<void> {
+    await page.waitForSelector('#recall', { state: 'hidden', ...patience });
+    await atRest();
+    expect(await page.locator('.ways .on').count()).toBe(0);
+    const [rest, motions] = [await comY(), await left()];
+    await page.waitForTimeout(700);
+    expect(await comY()).toBe(rest);
+    expect(await left()).toBe(motions);
+  }
+
+  /** Back to the start, where nothing is left to retrace. */
+  async function retraceAll(): Promise<void> {
+    await page.keyboard.down('Backspace');
+    await page.waitForFunction(() => document.getElementById('left')!.textContent === '', null, patience);
+    await shown('#refusal', /^nothing left to retrace$/);
+    await page.keyboard.up('Backspace');
+    await atRest();
+  }
+
+  beforeEach(retraceAll);
+
+  test('Backspace takes the robot back, while it is held', async () => {
+    const start = await comY();
+    const there = await walk(8);
+    expect(there).toBeLessThan(start - 0.01);
+    const motions = await left();
+    await page.keyboard.down('Backspace');
+    await shown('#recall', /^retracing: /);
+    await page.waitForSelector('#retrace.on', patience);
+    await motionsRetraced(motions - 2);
+    await page.keyboard.up('Backspace');
+    await hasEnded();
+    expect(await comY()).toBeGreaterThan(there);
+    expect(await left()).toBeGreaterThan(0);
+    await retraceAll();
+    expect(await comY()).toBeCloseTo(start, 2);
+  });
+
+  test('the button takes it back while it is pressed, the pointer on it, and the page in use', async () => {
+    await walk(5);
+    for (const end of [
+      () => page.mouse.up(),
+      () => page.mouse.move(640, 300), // off the button, still pressed
+      () => page.evaluate(() => window.dispatchEvent(new Event('blur'))),
+    ]) {
+      const motions = await left();
+      await page.hover('#retrace');
+      await page.mouse.down();
+      await motionsRetraced(motions);
+      await end();
+      await hasEnded();
+      await page.mouse.up();
+    }
+  });
+
+  test('Home goes home while its key or its button is held', async () => {
+    for (const [press, release] of [
+      [() => page.keyboard.down('h'), () => page.keyboard.up('h')],
+      [() => page.hover('#home').then(() => page.mouse.down()), () => page.mouse.up()],
+    ] as const) {
+      await page.keyboard.press('1');
+      await page.keyboard.down('a');
+      await motionsMade(await left());
+      await page.keyboard.up('a'); // feet apart
+      await atRest();
+      const motions = await left();
+      await press();
+      await shown('#recall', /^home: /);
+      await page.waitForSelector('#home.on', patience);
+      await motionsMade(motions);
+      await release();
+      await hasEnded();
+    }
+  });
+
+  test('a motion that goes only a part of the way says why, and three refusals what leads out', async () => {
+    await page.keyboard.press('1');
+    const limit = page.waitForFunction(
+      () => {
+        const note = document.getElementById('limit')!;
+        return !note.hidden && /^as far as it goes: left foot: .*reach/.test(note.textContent!);
+      },
+      null,
+      patience,
+    );
+    await page.keyboard.down('a'); // outward, as far as it goes
+    await limit;
+    while (!(await page.locator('#stuck').isVisible())) {
+      await page.waitForTimeout(400);
+      await page.keyboard.up('a');
+      await page.waitForTimeout(200);
+      await page.keyboard.down('a');
+    }
+    await shown('#stuck', /^Nothing goes from here\. Retrace \(Backspace\) or Home \(H\)/);
+    await page.keyboard.up('a');
+    await page.keyboard.down('Backspace');
+    await page.waitForSelector('#stuck', { state: 'hidden', ...patience });
+    await page.keyboard.up('Backspace');
+    await atRest();
+  });
+});
+
 test('an impossible wish is refused in plain words', async () => {
   await page.keyboard.press('1');
   await page.keyboard.down('d'); // the left foot, onto the right one
@@ -174,9 +310,9 @@ test('a second page watches, and drives once the first one lets it', async () =>
 });
 
 test('help opens and closes with its key', async () => {
-  await page.keyboard.press('h');
+  await page.keyboard.press('?');
   await page.waitForSelector('#help', { state: 'visible', ...patience });
-  await page.keyboard.press('h');
+  await page.keyboard.press('?');
   await page.waitForSelector('#help', { state: 'hidden', ...patience });
 });
 
