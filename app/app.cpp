@@ -54,6 +54,24 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--report", o.report, "Write the run in numbers to this .json file");
 }
 
+void add_soak(CLI::App& command, SoakOptions& o) {
+  command.add_option("--on", o.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
+  command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")->check(CLI::PositiveNumber);
+  command.add_option("--seed", o.seed, "Of the sticks")->capture_default_str();
+  command.add_option("--robot", o.robot, "Robot")->capture_default_str();
+  command.add_option("--world", o.world, "World")->capture_default_str();
+  command.add_option("--jobs", o.jobs, "Threads; the result does not depend on it")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+  command.add_option("--episode", o.episode, "Simulated seconds from one fresh start to the next")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 36000.0));
+  command.add_flag("--resume", o.resume, "Go on where the report's run ended");
+  command.add_option("--report", o.report, "Write what came of it to this .json file")->required();
+}
+
 int parse_and_run(std::vector<std::string> args) {
   CLI::App app{"baton: one stick guides a whole humanoid, and nothing it does can make it fall"};
   app.set_version_flag("--version", std::string("baton ") + BATON_VERSION);
@@ -120,6 +138,10 @@ int parse_and_run(std::vector<std::string> args) {
   operate_command->add_option("--trace", operate_options.trace, "Write every tick to this .csv file");
   operate_command->add_option("--script", operate_options.script, "Write what the operator did as a stick script");
 
+  SoakOptions soak_options;
+  CLI::App* soak_command = app.add_subcommand("soak", "Try to break it: random sticks, judged by independent means");
+  add_soak(*soak_command, soak_options);
+
   try {
     std::reverse(args.begin(), args.end());
     app.parse(args);
@@ -132,6 +154,7 @@ int parse_and_run(std::vector<std::string> args) {
   if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);
   if (operate_command->parsed()) return operate(operate_options);
+  if (soak_command->parsed()) return soak(soak_options);
   return kDone;
 }
 

@@ -62,10 +62,24 @@ struct OperateOptions {
   std::optional<std::filesystem::path> script;  ///< writes the stick as a script
 };
 
+struct SoakOptions {
+  std::string robot = "mighty";
+  std::string world = "flat";
+  std::string on = "ideal";
+  std::optional<long> segments;
+  std::optional<double> hours;  ///< simulated
+  long seed = 0;
+  int jobs = 1;
+  double episode = 120.0;  ///< simulated time from one fresh start to the next [s]
+  bool resume = false;
+  std::optional<std::filesystem::path> report;  ///< required
+};
+
 int drive(const DriveOptions& options);
 int plan(const PlanOptions& options);
 int verify(const VerifyOptions& options);
 int reproduce(const ReproduceOptions& options);
 int operate(const OperateOptions& options);
+int soak(const SoakOptions& options);
 
 }  // namespace baton::app

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "baton/model/error.hpp"
 
 namespace baton::app {
@@ -23,13 +25,19 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 }
 
 std::string script_line(double t, const Command& command) {
-  const auto& a = command.axes;
+  const auto number = [](double value) -> std::string {
+    if (std::isnan(value)) return "null";
+    if (std::isinf(value)) return value > 0.0 ? "1e308" : "-1e308";
+    return value == 0.0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
+  };
+  std::string axes;
+  for (const double axis : command.axes)
+    axes += (axes.empty() ? "" : ", ") + number(axis);
   const char* recall = command.recall == Recall::retrace ? R"(, "retrace": true)"
                        : command.recall == Recall::home  ? R"(, "home": true)"
                                                          : "";
-  return fmt::format(
-      R"({{"t": {:.3f}, "guide": "{}", "axes": [{:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}, {:.4g}], "lift": [{:.4g}, {:.4g}]{}}})",
-      t, to_string(command.guide), a[0], a[1], a[2], a[3], a[4], a[5], command.lift.left, command.lift.right, recall);
+  return fmt::format(R"({{"t": {}, "guide": "{}", "axes": [{}], "lift": [{}, {}]{}}})", number(t),
+                     to_string(command.guide), axes, number(command.lift.left), number(command.lift.right), recall);
 }
 
 Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,

@@ -25,7 +25,8 @@ inline constexpr double kReached = 0.01;
 /// @throws InputError it cannot be made; the message names `option`
 void make_folder(const std::filesystem::path& folder, const std::string& option);
 
-/// A command as a line of a stick script.
+/// A command as a line of a stick script that gives the very same command; infinities become large numbers, which count
+/// alike.
 [[nodiscard]] std::string script_line(double t, const Command& command);
 
 class Outputs {

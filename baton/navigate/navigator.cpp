@@ -160,19 +160,24 @@ std::optional<Problem> Navigator::request() {
   const int lookahead = robot_->profile().tick.lookahead;
   if (fallen_ || tick_ < 0 || asked_) return std::nullopt;
   if (motion_ && motion_->ticks() - index_ > lookahead) return std::nullopt;
-  const Posture& from = rest();
-  const bool a_foot_is_up = !from.contact.left || !from.contact.right;
+  const BySide<bool>& stands = rest().contact;
+  const bool a_foot_is_up = !stands.left || !stands.right;
   if (command_.neutral() && !a_foot_is_up) return std::nullopt;
 
-  const Pose anchor = anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  const Problem due = problem(command_);
   // What was refused would be refused again, from the same place.
-  const bool same_place = (anchor.p - refused_at_.p).norm() < 1e-3;
+  const bool same_place = (due.context.anchor.p - refused_at_.p).norm() < 1e-3;
   if (!motion_ && ((refusal_ && same_place) || tick_ < not_before_)) return std::nullopt;
-  asked_ = Problem{tick_ + lookahead,
-                   command_,
-                   {from, anchor, last_step_, foothold_},
-                   history_.empty() ? nullptr : history_.back()};
+  asked_ = due;
   return asked_;
+}
+
+Problem Navigator::problem(const Command& command) const {
+  const Pose anchor = anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  return {tick_ + robot_->profile().tick.lookahead,
+          command,
+          {rest(), anchor, last_step_, foothold_},
+          history_.empty() ? nullptr : history_.back()};
 }
 
 void Navigator::offer(PlanningResult result) {

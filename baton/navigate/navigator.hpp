@@ -86,6 +86,9 @@ class Navigator {
   /// or else in vain.
   [[nodiscard]] std::optional<Problem> request();
 
+  /// The task that this command would be now, from where the robot rests next. Not before the first tick.
+  [[nodiscard]] Problem problem(const Command& command) const;
+
   /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
   void offer(PlanningResult result);
 

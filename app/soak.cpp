@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "app/app.hpp"
+#include "app/commands.hpp"
+#include "app/episode.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Replaces a file as a whole: whoever reads it finds the old or the new text.
+void write_whole(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::path fresh = file;
+  fresh += ".tmp";
+  std::ofstream out(fresh);
+  out << text << std::flush;
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(fresh, file, error);
+  if (!out || error) throw InputError(fmt::format("--report {}: cannot be written", file.string()));
+}
+
+/// The report of a soak: what was asked, what it came to, and how to go on.
+class SoakReport {
+ public:
+  SoakReport(const SoakOptions& o, const RobotModel& robot, const World& world)
+      : file_(*o.report),
+        head_({{"soak", 1},
+               {"robot", robot.profile().name},
+               {"world", world.name()},
+               {"on", o.on},
+               {"seed", o.seed},
+               {"episode_s", o.episode}}),
+        period_(robot.profile().tick.period) {}
+
+  /// Goes on from the file, if there is one.
+  /// @throws InputError it is the report of something else
+  void resume() {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file_, ignored)) return;
+    const auto refuse = [this](const std::string& why) {
+      throw InputError(fmt::format("--resume: {}: {}", file_.string(), why));
+    };
+    try {
+      const Json old = Json::parse(std::ifstream(file_));
+      for (const auto& [key, value] : head_.items()) {
+        if (!old.contains(key)) refuse("not the report of a soak");
+        if (old[key] != value) refuse(fmt::format("{} is {} there and {} here", key, old[key].dump(), value.dump()));
+      }
+      tally = Tally::from_json(old);
+      wall_before_ = old.at("wall").at("seconds").get<double>();
+    } catch (const Json::exception&) {
+      refuse("not the report of a soak");
+    }
+  }
+
+  void write(double wall, int jobs) const {
+    Json json = head_;
+    json.update(tally.json());
+    json["simulated_s"] = static_cast<double>(tally.ticks) * period_;
+    json["deflected_share"] =
+        tally.ticks > 0 ? static_cast<double>(tally.deflected) / static_cast<double>(tally.ticks) : 0.0;
+    json["failure_rate_95"] = failure_rate_95(tally.failures, tally.segments);
+    json["wall"] = {{"seconds", wall_before_ + wall}, {"jobs", jobs}};
+    write_whole(file_, json.dump(2) + '\n');
+  }
+
+  [[nodiscard]] double hours() const { return static_cast<double>(tally.ticks) * period_ / 3600.0; }
+
+  Tally tally;
+
+ private:
+  std::filesystem::path file_;
+  Json head_;
+  double period_;
+  double wall_before_ = 0.0;
+};
+
+/// Episodes from `first` on, driven by several threads, handed out in their order.
+class Crew {
+ public:
+  Crew(const Episodes& episodes, long first, int jobs)
+      : episodes_(&episodes), ahead_(4 * static_cast<std::size_t>(jobs)), next_(first), wanted_(first) {
+    for (int i = 0; i < jobs; ++i)
+      threads_.emplace_back([this] { work(); });
+  }
+  ~Crew() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+    }
+    room_.notify_all();
+    for (std::thread& thread : threads_)
+      thread.join();
+  }
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  /// The next episode's result, if it is there in time.
+  /// @throws what a thread could not go on for
+  [[nodiscard]] std::optional<EpisodeResult> wait(std::chrono::milliseconds time) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    done_.wait_for(lock, time, [this] { return error_ || results_.contains(wanted_); });
+    if (error_) std::rethrow_exception(error_);
+    const auto found = results_.find(wanted_);
+    if (found == results_.end()) return std::nullopt;
+    EpisodeResult result = std::move(found->second);
+    results_.erase(found);
+    ++wanted_;
+    room_.notify_all();
+    return result;
+  }
+
+ private:
+  void work() {
+    try {
+      for (;;) {
+        std::unique_lock<std::mutex> lock(mutex_);
+        // Not too far ahead of one that takes long.
+        room_.wait(lock, [this] { return stop_ || results_.size() < ahead_; });
+        if (stop_) return;
+        const long index = next_++;
+        lock.unlock();
+        EpisodeResult result = episodes_->run(index, stop_);
+        lock.lock();
+        if (stop_) return;
+        results_.emplace(index, std::move(result));
+        done_.notify_all();
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      error_ = std::current_exception();
+      done_.notify_all();
+    }
+  }
+
+  const Episodes* episodes_;
+  std::size_t ahead_;  ///< results that may wait for an earlier one
+  std::mutex mutex_;
+  std::condition_variable done_;
+  std::condition_variable room_;
+  std::atomic<bool> stop_{false};
+  long next_;
+  long wanted_;
+  std::map<long, EpisodeResult> results_;
+  std::exception_ptr error_;
+  std::vector<std::thread> threads_;
+};
+
+/// A line on standard error, now and then.
+class Progress {
+ public:
+  explicit Progress(const Tally& before) : segments_(before.segments) {}
+
+  void show(const Tally& tally, double done) {
+    const bool terminal = isatty(STDERR_FILENO) == 1;
+    const double now = seconds_since(start_);
+    if (now - shown_ < (terminal ? 0.5 : 10.0)) return;
+    shown_ = now;
+    if (first_ < 0.0) first_ = done;
+    const double rate = static_cast<double>(tally.segments - segments_) / now;
+    const double left = done > first_ ? (1.0 - done) / (done - first_) * now : 0.0;
+    fmt::print(stderr, "{}{} episodes, {} segments, {} failures, {:.1f} segments/s, {}{}", terminal ? "\r\x1b[K" : "",
+               tally.episodes, tally.segments, tally.failures, rate,
+               left > 0.0 ? fmt::format("{:.0f} min left", std::ceil(left / 60.0)) : "time left unknown",
+               terminal ? "" : "\n");
+    std::fflush(stderr);
+    drawn_ = terminal;
+  }
+  void clear() {
+    if (drawn_) fmt::print(stderr, "\r\x1b[K");
+    drawn_ = false;
+  }
+  [[nodiscard]] double seconds() const { return seconds_since(start_); }
+
+ private:
+  long segments_;
+  Clock::time_point start_ = Clock::now();
+  double shown_ = 0.0;
+  double first_ = -1.0;
+  bool drawn_ = false;
+};
+
+/// Writes the stick of an episode that went wrong, and says how to see it again.
+void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeResult& result, double period) {
+  const Tally::Failure& failure = result.tally.listed.front();
+  const std::string file = fmt::format("{}.{}-{}.jsonl", o.report->string(), o.seed, failure.episode);
+  write_whole(file, episodes.script(failure.episode));
+  fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
+             failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
+  fmt::print("  baton drive --robot {} --world {} --on {} --input script:{} --fast --seconds {:.3f}\n", o.robot,
+             o.world, o.on, file, static_cast<double>(result.ticks) * period);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int soak(const SoakOptions& o) {
+  if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
+  const RobotModel robot = RobotModel::load(o.robot);
+  const World world = World::load(o.world);
+  const Episodes episodes(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal,
+                          static_cast<std::uint64_t>(o.seed), o.episode);
+  SoakReport report(o, robot, world);
+  if (o.resume) report.resume();
+  const Tally& tally = report.tally;
+  const auto done = [&] {
+    return o.segments ? static_cast<double>(tally.segments) / static_cast<double>(*o.segments)
+                      : report.hours() / *o.hours;
+  };
+
+  Progress progress(tally);
+  report.write(0.0, o.jobs);  // whether it can be, before the work is done
+  double written = 0.0;
+  if (done() < 1.0) {
+    Crew crew(episodes, tally.episodes, o.jobs);
+    while (done() < 1.0 && !interrupted) {
+      if (const std::optional<EpisodeResult> result = crew.wait(std::chrono::milliseconds(200))) {
+        report.tally.add(result->tally);
+        if (result->tally.failures > 0) {
+          progress.clear();
+          write_replay(o, episodes, *result, robot.profile().tick.period);
+        }
+      }
+      progress.show(tally, done());
+      if (progress.seconds() - written < 10.0) continue;
+      written = progress.seconds();
+      report.write(written, o.jobs);
+    }
+  }
+  progress.clear();
+  report.write(progress.seconds(), o.jobs);
+  if (interrupted) fmt::print("interrupted; --resume goes on\n");
+  fmt::print("{} violations in {} segments: failure rate below {:.2g} with 95 % confidence\n", tally.failures,
+             tally.segments, failure_rate_95(tally.failures, tally.segments));
+  return tally.failures == 0 ? kDone : kFailed;
+}
+
+}  // namespace baton::app

@@ -1,0 +1,91 @@
+/// A stick at random: what a hand, a child or a broken device may do to it. The same seed gives the same stick, on
+/// every computer.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <string_view>
+
+#include "baton/guide/command.hpp"
+
+namespace baton::app {
+
+/// Seed of one of many streams: well mixed, so that neighbours have nothing in common.
+[[nodiscard]] std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream);
+
+/// Integers at random, and all else from them by arithmetic that is exact.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : engine_(seed) {}
+  /// 0 … n − 1.
+  [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
+  /// lo … hi.
+  [[nodiscard]] int between(int lo, int hi) { return lo + below(hi - lo + 1); }
+  [[nodiscard]] bool percent(int chance) { return below(100) < chance; }
+  [[nodiscard]] double sign() { return percent(50) ? 1.0 : -1.0; }
+  /// −1 … 1, a multiple of 1/1024.
+  [[nodiscard]] double axis() { return (below(2049) - 1024) / 1024.0; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+class Stick {
+ public:
+  /// What goes on at the stick for some time.
+  enum class Style {
+    calm,       ///< one clear wish, held for seconds
+    full,       ///< axes at their stops, alone or together
+    any,        ///< six axes at random
+    hectic,     ///< a new command every few ticks
+    reversal,   ///< back and forth, all the way
+    modes,      ///< another guided part at every tick
+    pinned,     ///< the stick does not move for minutes
+    throttles,  ///< both levers up and down
+    broken,     ///< not a number, denormal, infinite, out of range
+    centred,    ///< let go
+  };
+  static constexpr std::array<std::string_view, 10> kNames{"calm",  "full",   "any",       "hectic", "reversal",
+                                                           "modes", "pinned", "throttles", "broken", "centred"};
+
+  /// @param period of a tick [s]
+  Stick(std::uint64_t seed, double period);
+
+  /// The command of the next tick. At any time the stick has been deflected for at least 75 % of it, but for the
+  /// stretch under way.
+  [[nodiscard]] Command next();
+
+  /// What it belongs to.
+  [[nodiscard]] Style style() const { return style_; }
+
+  /// Whether a command asks for something that can be seen: an axis or the guided foot's lever beyond 1/20.
+  [[nodiscard]] static bool deflected(const Command& command);
+
+ private:
+  [[nodiscard]] int ticks(int milliseconds_lo, int milliseconds_hi);
+  void begin_stretch();
+  void draw();
+  void wish();
+  [[nodiscard]] Vec6 axes();
+  [[nodiscard]] double lever();
+  [[nodiscard]] double strange();
+
+  Dice dice_;
+  double period_;
+  Style style_ = Style::centred;
+  int stretch_ = 0;  ///< ticks that the style goes on
+  int hold_ = 0;     ///< ticks until the next command
+  int pace_ = 1;     ///< ticks from one reversal to the next
+  bool first_ = true;
+  Command command_;
+  long ticks_ = 0;
+  long deflected_ = 0;
+};
+
+/// Ticks 0 … `ticks` − 1 of a stick as a script that gives the very same commands (docs/input.md), then a line with
+/// the stick let go.
+[[nodiscard]] std::string stick_script(std::uint64_t seed, double period, long ticks);
+
+}  // namespace baton::app
