@@ -35,17 +35,17 @@ class Checker {
       "not_finite", "clock",    "target",         "joint_range", "joint_speed", "joint_torque", "jump",       "rest",
       "zmp",        "friction", "self_collision", "obstacle",    "slip",        "swing_ground", "sole_ground"};
 
-  /// What a trajectory may miss a limit by. Limits are those of the profile, which the plan kept at the planned places;
-  /// what is executed lies beside them by the residual of inverse kinematics.
+  /// What a trajectory may miss a limit by. Limits are those of the profile, which the plan keeps at the places that it
+  /// wants; what is executed lies beside them by the residual of inverse kinematics.
   struct Tolerances {
-    double residuals = 3.0;  ///< [profile's ik residuals] of a sole's or link's place: both soles', and the sum of both
-    double sink = 2e-4;      ///< [m] a sole may be that far in the ground where it leaves or meets it
-    double zmp = 5e-4;       ///< [m] what that, and the seam of two motions, moves ZMP or hull
-    double friction = 0.01;  ///< [-] the same
-    double load = 0.02;      ///< [of stall torque] the same
-    double jump = 0.25;      ///< [of the speed limit] change of a joint's speed in one tick
-    double still = 1e-7;     ///< [m or rad] a resting posture is worked out anew from its soles
-    double exact = 1e-9;     ///< [rad, s] rounding where numbers are handed on
+    double residuals = 2.0;   ///< [the profile's ik residuals] place of a sole or link: two soles' residuals add up
+    double sink = 1e-4;       ///< [m] beyond that, a sole in the ground where it leaves or meets it
+    double zmp = 1e-4;        ///< [m] what such a residual moves the hull by
+    double friction = 0.002;  ///< [-] the seam of two motions: accelerations at the end of one and the start of the
+    double load = 0.002;      ///< [of stall torque] next act at the same tick
+    double jump = 0.25;       ///< [of the speed limit] change of a joint's speed in a tick: no joint starts that fast
+    double still = 1e-7;      ///< [m or rad] a resting posture is worked out anew from its soles
+    double exact = 1e-9;      ///< [rad, s] rounding where numbers are handed on
   };
 
   /// One tick. `q` is in a frame that is level (position and yaw), `frame` its pose in the world.

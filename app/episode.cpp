@@ -1,7 +1,6 @@
 #include "app/episode.hpp"
 
 #include <cmath>
-#include <mutex>
 #include <set>
 
 #include "baton/record/report.hpp"
@@ -16,7 +15,7 @@ constexpr int kRefusedInARow = 200;    ///< refusals without a motion between th
 /// In physics soles sink, and the planning frame is laid on them.
 Checker::Tolerances tolerances(Session::On on) {
   Checker::Tolerances tolerances;
-  if (on == Session::On::sim) tolerances.sink = 1.5e-3;
+  if (on == Session::On::sim) tolerances.sink = 5e-4;
   return tolerances;
 }
 
@@ -149,9 +148,7 @@ Episodes::Episodes(const RobotModel& robot, const World& world, Session::On on, 
       ticks_(std::max(1L, std::lround(seconds / robot.profile().tick.period))) {}
 
 EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
-  // MuJoCo's parser and compiler are not made for several threads.
-  static std::mutex compiling;
-  std::unique_lock<std::mutex> lock(compiling);
+  std::unique_lock<std::mutex> lock(compiling_);
   Run run(*robot_, *world_, on_, index);
   lock.unlock();
   try {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 
 #include "app/checker.hpp"
 #include "app/session.hpp"
@@ -34,6 +35,7 @@ class Episodes {
   Session::On on_;
   std::uint64_t seed_;
   long ticks_;
+  mutable std::mutex compiling_;  ///< MuJoCo's parser and compiler are not made for several threads
 };
 
 /// Whether no command at all, of many different ones, has a motion from there.

@@ -20,6 +20,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
+constexpr long kEnough = 1000;  ///< failures after which there is no use in going on
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -221,6 +223,7 @@ int soak(const SoakOptions& o) {
   if (o.resume) report.resume();
   const Tally& tally = report.tally;
   const auto done = [&] {
+    if (tally.failures >= kEnough) return 1.0;
     return o.segments ? static_cast<double>(tally.segments) / static_cast<double>(*o.segments)
                       : report.hours() / *o.hours;
   };
@@ -232,8 +235,9 @@ int soak(const SoakOptions& o) {
     Crew crew(episodes, tally.episodes, o.jobs);
     while (done() < 1.0 && !interrupted) {
       if (const std::optional<EpisodeResult> result = crew.wait(std::chrono::milliseconds(200))) {
+        const bool listed = tally.listed.size() < Tally::kListed;
         report.tally.add(result->tally);
-        if (result->tally.failures > 0) {
+        if (listed && result->tally.failures > 0) {
           progress.clear();
           write_replay(o, episodes, *result, robot.profile().tick.period);
         }
@@ -246,6 +250,7 @@ int soak(const SoakOptions& o) {
   }
   progress.clear();
   report.write(progress.seconds(), o.jobs);
+  if (tally.failures >= kEnough) fmt::print("enough failures\n");
   if (interrupted) fmt::print("interrupted; --resume goes on\n");
   fmt::print("{} violations in {} segments: failure rate below {:.2g} with 95 % confidence\n", tally.failures,
              tally.segments, failure_rate_95(tally.failures, tally.segments));

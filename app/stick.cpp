@@ -24,15 +24,13 @@ bool same_bits(const Command& a, const Command& b) {
 }  // namespace
 
 std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream) {
-  // splitmix64, once for each of the two numbers.
-  std::uint64_t x = seed;
-  for (const std::uint64_t add : {stream, std::uint64_t{0}}) {
-    x += add + 0x9e3779b97f4a7c15ULL;
+  const auto mix = [](std::uint64_t x) {  // splitmix64
+    x += 0x9e3779b97f4a7c15ULL;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-    x ^= x >> 31;
-  }
-  return x;
+    return x ^ (x >> 31);
+  };
+  return mix(mix(seed) + stream);
 }
 
 Stick::Stick(std::uint64_t seed, double period) : dice_(seed), period_(period) {}

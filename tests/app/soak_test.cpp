@@ -1,0 +1,244 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <set>
+
+#include "app/episode.hpp"
+#include "baton/ik/stand.hpp"
+#include "baton/input/script.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace baton::app {
+namespace {
+
+using test::Outcome;
+using test::run;
+using test::Scratch;
+using testing::HasSubstr;
+
+constexpr double kPeriod = 0.005;
+
+bool same(const Command& a, const Command& b) {
+  return sanitised(a) == sanitised(b) && std::signbit(a.axes[0]) == std::signbit(b.axes[0]);
+}
+
+TEST(Stick, TheSameSeedGivesTheSameStick) {
+  Stick a(7, kPeriod);
+  Stick b(7, kPeriod);
+  Stick c(8, kPeriod);
+  int differs = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const Command command = a.next();
+    ASSERT_TRUE(same(command, b.next()));
+    differs += same(command, c.next()) ? 0 : 1;
+  }
+  EXPECT_GT(differs, 10000);
+  EXPECT_NE(mixed_seed(1, 2), mixed_seed(2, 1));
+  // As on every computer.
+  EXPECT_EQ(mixed_seed(1, 2), 13608149317741381227ULL);
+}
+
+TEST(Stick, IsDeflectedMostOfTheTimeAndKnowsEveryStyle) {
+  std::set<Stick::Style> styles;
+  std::set<Part> parts;
+  int not_a_number = 0;
+  int denormal = 0;
+  int out_of_range = 0;
+  int both_levers = 0;
+  int switches = 0;
+  double pinned = 0.0;
+  int centred = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Stick stick(seed, kPeriod);
+    int deflected = 0;
+    Command last;
+    double still = 0.0;
+    constexpr int kTicks = 24000;
+    for (int k = 0; k < kTicks; ++k) {
+      const Command command = stick.next();
+      styles.insert(stick.style());
+      parts.insert(command.guide);
+      deflected += Stick::deflected(command) ? 1 : 0;
+      for (const double axis : command.axes) {
+        not_a_number += std::isnan(axis) ? 1 : 0;
+        denormal += axis != 0.0 && std::abs(axis) < 1e-300 ? 1 : 0;
+        out_of_range += std::abs(axis) > 1.0 ? 1 : 0;
+      }
+      both_levers += command.lift.left > 0.1 && command.lift.right > 0.1 ? 1 : 0;
+      switches += command.guide == last.guide ? 0 : 1;
+      still = same(command, last) ? still + kPeriod : 0.0;
+      pinned = std::max(pinned, still);
+      last = command;
+    }
+    EXPECT_GE(deflected, 7 * kTicks / 10) << seed;
+    centred += kTicks - deflected;
+  }
+  EXPECT_EQ(styles.size(), Stick::kNames.size());
+  EXPECT_EQ(parts.size(), kParts.size());
+  EXPECT_GT(not_a_number, 1000);
+  EXPECT_GT(denormal, 1000);
+  EXPECT_GT(out_of_range, 1000);
+  EXPECT_GT(both_levers, 10000);
+  EXPECT_GT(switches, 20000);
+  EXPECT_GT(pinned, 100.0);
+  EXPECT_GT(centred, 10000);
+}
+
+TEST(Stick, AsAScriptItIsTheSame) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    constexpr long kTicks = 4000;
+    Script script = Script::parse(stick_script(seed, kPeriod, kTicks), "stick");
+    Stick stick(seed, kPeriod);
+    for (long k = 0; k < kTicks; ++k) {
+      const Command command = stick.next();
+      ASSERT_TRUE(same(command, script.read(static_cast<double>(k) * kPeriod))) << seed << " " << k;
+    }
+    EXPECT_TRUE(script.read(kTicks * kPeriod) == Command{});
+  }
+}
+
+TEST(FailureRate, IsTheExactBound) {
+  EXPECT_NEAR(failure_rate_95(0, 1), 0.95, 1e-12);
+  EXPECT_NEAR(failure_rate_95(0, 59), 0.0495, 1e-4);
+  EXPECT_NEAR(failure_rate_95(0, 1000000), 2.99573e-6, 1e-10);
+  EXPECT_NEAR(failure_rate_95(1, 100), 0.0465598, 1e-6);
+  EXPECT_NEAR(failure_rate_95(5, 50), 0.1988330, 1e-6);
+  EXPECT_NEAR(failure_rate_95(10, 1000000), 1.6962160e-5, 1e-10);
+  EXPECT_EQ(failure_rate_95(0, 0), 1.0);
+  EXPECT_EQ(failure_rate_95(3, 3), 1.0);
+}
+
+/// A report without what depends on the clock on the wall.
+nlohmann::json timeless(nlohmann::json report) {
+  EXPECT_TRUE(report.contains("wall"));
+  report.erase("wall");
+  return report;
+}
+
+TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
+  const Scratch scratch;
+  const auto soak = [&](const std::string& file, const std::string& segments, std::vector<std::string> more = {}) {
+    std::vector<std::string> args{"soak", "--on",      "ideal", "--segments", segments,          "--seed",
+                                  "3",    "--episode", "6",     "--report",   scratch.path(file)};
+    args.insert(args.end(), more.begin(), more.end());
+    return run(args);
+  };
+  const Outcome one = soak("one.json", "20");
+  ASSERT_EQ(one.code, kDone) << one.out << one.err;
+  EXPECT_THAT(one.out, HasSubstr("0 violations in "));
+  ASSERT_EQ(soak("two.json", "20", {"--jobs", "2"}).code, kDone);
+  const nlohmann::json all = timeless(scratch.json("one.json"));
+  EXPECT_EQ(all, timeless(scratch.json("two.json")));
+  EXPECT_GE(all["segments"].get<int>(), 20);
+  EXPECT_GE(all["deflected_share"].get<double>(), 0.7);
+  EXPECT_EQ(all["failures"], 0);
+  EXPECT_NEAR(all["failure_rate_95"].get<double>(), failure_rate_95(0, all["segments"].get<long>()), 1e-15);
+
+  ASSERT_EQ(soak("parts.json", "5").code, kDone);
+  EXPECT_LT(scratch.json("parts.json")["episodes"], all["episodes"]);
+  ASSERT_EQ(soak("parts.json", "20", {"--resume"}).code, kDone);
+  EXPECT_EQ(all, timeless(scratch.json("parts.json")));
+
+  const Outcome other = soak("parts.json", "20", {"--resume", "--world", "room"});
+  EXPECT_EQ(other.code, kBadInput);
+  EXPECT_THAT(other.err, HasSubstr("world is \"flat\" there and \"room\" here"));
+}
+
+TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
+  // A gale that the planner does not know of.
+  const Scratch scratch;
+  std::ifstream in(share_dir() / "worlds" / "flat.xml");
+  std::string world{std::istreambuf_iterator<char>(in), {}};
+  const auto at = world.find("<option ");
+  ASSERT_NE(at, std::string::npos);
+  world.insert(at + 8, "density=\"100\" wind=\"8 0 0\" ");
+  const std::string file = scratch.write("gale.xml", world);
+  const Outcome outcome = run({"soak", "--on", "sim", "--world", file, "--segments", "1", "--seed", "5", "--episode",
+                               "30", "--report", scratch.path("r.json")});
+  EXPECT_EQ(outcome.code, kFailed);
+  const nlohmann::json report = scratch.json("r.json");
+  ASSERT_EQ(report["first_failures"].size(), 1U);
+  EXPECT_EQ(report["violations"]["fall"], 1);
+  const std::string script = scratch.path("r.json.5-0.jsonl");
+  const double t = report["simulated_s"];
+  EXPECT_THAT(outcome.out,
+              HasSubstr("baton drive --robot mighty --world " + file + " --on sim --input script:" + script));
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("--seconds {:.3f}", t)));
+
+  EXPECT_EQ(run({"drive", "--world", file, "--on", "sim", "--input", "script:" + script, "--fast", "--seconds",
+                 fmt::format("{:.3f}", t), "--trace", scratch.path("t.csv")})
+                .code,
+            kFallen);
+  const World gale(file);
+  const std::atomic<bool> stop{false};
+  const EpisodeResult again = Episodes(test::robot("mighty"), gale, Session::On::sim, 5, 30.0).run(0, stop);
+  const auto rows = scratch.table("t.csv");
+  EXPECT_EQ(static_cast<long>(rows.size()) - 1, again.ticks);
+  const auto first = std::find(rows.front().begin(), rows.front().end(), "qpos_0") - rows.front().begin();
+  for (Eigen::Index i = 0; i < again.q.size(); ++i)
+    EXPECT_NEAR(std::stod(rows.back()[static_cast<std::size_t>(first + i)]), again.q[i], 1e-9) << i;
+}
+
+TEST(Soak, ReplaysToTheSameTickOnIdeal) {
+  const Scratch scratch;
+  const World world = World::load("flat");
+  const std::atomic<bool> stop{false};
+  const Episodes episodes(test::robot("mighty"), world, Session::On::ideal, 11, 20.0);
+  const EpisodeResult result = episodes.run(4, stop);
+  EXPECT_GE(result.tally.segments, 3);
+  ASSERT_EQ(run({"drive", "--world", "flat", "--on", "ideal", "--input",
+                 "script:" + scratch.write("s.jsonl", episodes.script(4)), "--fast", "--seconds",
+                 fmt::format("{:.3f}", static_cast<double>(result.ticks) * kPeriod), "--trace", scratch.path("t.csv")})
+                .code,
+            kDone);
+  const auto rows = scratch.table("t.csv");
+  ASSERT_EQ(static_cast<long>(rows.size()) - 1, result.ticks);
+  const auto first = std::find(rows.front().begin(), rows.front().end(), "qpos_0") - rows.front().begin();
+  for (Eigen::Index i = 0; i < result.q.size(); ++i)
+    EXPECT_NEAR(std::stod(rows.back()[static_cast<std::size_t>(first + i)]), result.q[i], 1e-9) << i;
+}
+
+TEST(Soak, KnowsWhenNothingGoesAnyMore) {
+  const RobotModel& robot = test::robot("mighty");
+  const World world = World::load("flat");
+  Planning planning(robot, world);
+  GuideContext context;
+  context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
+  context.foothold = context.from.sole;
+  EXPECT_FALSE(stuck(planning, context));
+  const int elbow = robot.arm(Side::left).back();
+  context.from.q[7 + elbow] = robot.joints()[static_cast<std::size_t>(elbow)].position.hi + 0.1;
+  EXPECT_TRUE(stuck(planning, context));
+}
+
+TEST(Soak, BadInputIsOneClearLine) {
+  const Scratch scratch;
+  const std::string report = scratch.path("r.json");
+  struct Case {
+    std::vector<std::string> args;
+    std::string says;
+  };
+  const std::vector<Case> cases{
+      {{"--report", report}, "--segments or --hours"},
+      {{"--report", report, "--segments", "5", "--hours", "1"}, "--segments or --hours"},
+      {{"--report", report, "--segments", "-5"}, "--segments"},
+      {{"--report", report, "--segments", "5", "--jobs", "0"}, "--jobs"},
+      {{"--segments", "5"}, "--report"},
+      {{"--segments", "5", "--report", "/nowhere/r.json"}, "/nowhere/r.json"},
+      {{"--segments", "5", "--report", report, "--world", "nowhere"}, "nowhere"},
+      {{"--segments", "5", "--resume", "--report", scratch.write("not.json", "{]")}, "not the report of a soak"},
+  };
+  for (const Case& c : cases) {
+    std::vector<std::string> args{"soak"};
+    args.insert(args.end(), c.args.begin(), c.args.end());
+    const Outcome outcome = run(args);
+    EXPECT_EQ(outcome.code, kBadInput) << c.says;
+    EXPECT_THAT(outcome.err, HasSubstr(c.says));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace baton::app
