@@ -177,7 +177,8 @@ bool stuck(Planning& planning, Problem problem) {
         command.lift = {lift, lift};
         for (int direction = 0; direction < 27; ++direction) {
           if (direction == 13) continue;  // none
-          command.axes.head<3>() = size * Vec3(direction / 9 - 1, direction / 3 % 3 - 1, direction % 3 - 1);
+          const Eigen::Vector3i way(direction / 9 - 1, direction / 3 % 3 - 1, direction % 3 - 1);
+          command.axes.head<3>() = size * way.cast<double>();
           if (goes(command)) return false;
         }
       }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "app/outputs.hpp"
@@ -15,11 +14,6 @@ constexpr double kVisible = 0.05;
 /// How often each style is chosen, in percent; `pinned` has its own rule.
 constexpr std::array<int, 10> kShare{24, 12, 13, 8, 8, 6, 0, 12, 7, 10};
 constexpr int kPinned = 6;  ///< percent of the sticks begin with it
-
-bool same_bits(const Command& a, const Command& b) {
-  return a.guide == b.guide && std::memcmp(a.axes.data(), b.axes.data(), 6 * sizeof(double)) == 0 &&
-         std::memcmp(&a.lift, &b.lift, sizeof(a.lift)) == 0;
-}
 
 }  // namespace
 
@@ -210,12 +204,13 @@ double Stick::strange() {
 std::string stick_script(std::uint64_t seed, double period, long ticks) {
   Stick stick(seed, period);
   std::string text;
-  Command last;
+  std::string last;
   for (long k = 0; k < ticks; ++k) {
     const Command command = stick.next();
-    if (k > 0 && same_bits(command, last)) continue;
+    std::string same = script_line(0.0, command);
+    if (same == last) continue;
+    last = std::move(same);
     text += script_line(static_cast<double>(k) * period, command) + '\n';
-    last = command;
   }
   return text + script_line(static_cast<double>(ticks) * period, Command{}) + '\n';
 }
