@@ -56,6 +56,12 @@ void add_drive(CLI::App& command, DriveOptions& o) {
 
 void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--on", o.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
+  command.add_option("--duration", o.duration, "As for drive")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"paper", "search"}));
+  command.add_option("--on-limit", o.on_limit, "As for drive")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"discard", "shrink"}));
   command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
       ->check(CLI::PositiveNumber);
   command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")->check(CLI::PositiveNumber);

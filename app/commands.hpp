@@ -66,6 +66,8 @@ struct SoakOptions {
   std::string robot = "mighty";
   std::string world = "flat";
   std::string on = "ideal";
+  std::string duration = "paper";
+  std::string on_limit = "shrink";
   std::optional<long> segments;
   std::optional<double> hours;  ///< simulated
   long seed = 0;

@@ -22,14 +22,14 @@ Checker::Tolerances tolerances(Session::On on) {
 /// One episode while it runs.
 class Run {
  public:
-  Run(const RobotModel& robot, const World& world, Session::On on, long index)
+  Run(const RobotModel& robot, const World& world, Session::On on, Modes modes, long index)
       : robot_(robot),
         on_(on),
         index_(index),
-        session_(robot, world, on),
+        session_(robot, world, on, std::nullopt, {}, modes),
         checker_(robot, session_.model_text(), tolerances(on)),
         report_(robot),
-        stuck_planning_(robot, world) {
+        stuck_planning_(robot, world, {modes.duration, OnLimit::discard}) {
     session_.on_tick = [this](const TickRecord& record) { judge(record); };
     session_.on_plan = [this](const PlanRecord& record) {
       report_.add(record);
@@ -95,6 +95,10 @@ class Run {
     const Navigator& navigator = record.navigator;
     last_q_ = record.truth.q;
     if (navigator.phase() == Phase::fallen) return;
+    if (navigator.committed() != committed_) {
+      committed_ = navigator.committed();
+      tally_.shrunk += navigator.motion()->limit ? 1 : 0;
+    }
     const bool ideal = on_ == Session::On::ideal;
     tick_ = {record.t,
              ideal ? Pose{} : navigator.anchor(),
@@ -132,6 +136,7 @@ class Run {
   Checker::Tick tick_;
   Tally tally_;
   long ticks_ = 0;
+  long committed_ = 0;
   VecX last_q_;
   int refused_in_a_row_ = 0;
   long segment_ = -1;            ///< the one that failed last
@@ -140,16 +145,18 @@ class Run {
 
 }  // namespace
 
-Episodes::Episodes(const RobotModel& robot, const World& world, Session::On on, std::uint64_t seed, double seconds)
+Episodes::Episodes(const RobotModel& robot, const World& world, Session::On on, Modes modes, std::uint64_t seed,
+                   double seconds)
     : robot_(&robot),
       world_(&world),
       on_(on),
+      modes_(modes),
       seed_(seed),
       ticks_(std::max(1L, std::lround(seconds / robot.profile().tick.period))) {}
 
 EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
   std::unique_lock<std::mutex> lock(compiling_);
-  Run run(*robot_, *world_, on_, index);
+  Run run(*robot_, *world_, on_, modes_, index);
   lock.unlock();
   try {
     run.drive(mixed_seed(seed_, static_cast<std::uint64_t>(index)), ticks_, stop);
@@ -184,7 +191,9 @@ bool stuck(Planning& planning, Problem problem) {
       }
     }
   }
-  return true;
+  command = {};
+  command.recall = Recall::retrace;
+  return !goes(command);
 }
 
 }  // namespace baton::app

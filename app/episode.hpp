@@ -20,7 +20,8 @@ struct EpisodeResult {
 class Episodes {
  public:
   /// @param seconds each is that long [s], and then until the robot rests
-  Episodes(const RobotModel& robot, const World& world, Session::On on, std::uint64_t seed, double seconds);
+  Episodes(const RobotModel& robot, const World& world, Session::On on, Modes modes, std::uint64_t seed,
+           double seconds);
 
   /// Drives one; for any number of threads at a time. Everything that goes wrong is in the result.
   /// @param stop ends it at the next tick; the result is of no use then
@@ -33,12 +34,14 @@ class Episodes {
   const RobotModel* robot_;
   const World* world_;
   Session::On on_;
+  Modes modes_;
   std::uint64_t seed_;
   long ticks_;
   mutable std::mutex compiling_;  ///< MuJoCo's parser and compiler are not made for several threads
 };
 
-/// Whether no command at all, of many different ones, has a motion from there.
+/// Whether no command at all, of many different ones and the way back, has a motion from there.
+/// @param problem from where the robot rests; its command does not matter
 [[nodiscard]] bool stuck(Planning& planning, Problem problem);
 
 }  // namespace baton::app

@@ -47,6 +47,8 @@ class SoakReport {
                {"robot", robot.profile().name},
                {"world", world.name()},
                {"on", o.on},
+               {"duration", o.duration},
+               {"on_limit", o.on_limit},
                {"seed", o.seed},
                {"episode_s", o.episode}}),
         period_(robot.profile().tick.period) {}
@@ -206,8 +208,10 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   write_whole(file, episodes.script(failure.episode));
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
-  fmt::print("  baton drive --robot {} --world {} --on {} --input script:{} --fast --seconds {:.3f}\n", o.robot,
-             o.world, o.on, file, static_cast<double>(result.ticks) * period);
+  fmt::print(
+      "  baton drive --robot {} --world {} --on {} --duration {} --on-limit {} --input script:{} --fast --seconds "
+      "{:.3f}\n",
+      o.robot, o.world, o.on, o.duration, o.on_limit, file, static_cast<double>(result.ticks) * period);
   std::fflush(stdout);
 }
 
@@ -217,7 +221,9 @@ int soak(const SoakOptions& o) {
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
-  const Episodes episodes(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal,
+  const Modes modes{o.duration == "paper" ? DurationRule::paper : DurationRule::search,
+                    o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink};
+  const Episodes episodes(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, modes,
                           static_cast<std::uint64_t>(o.seed), o.episode);
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();

@@ -49,6 +49,7 @@ void Tally::add(const Tally& other) {
   ticks += other.ticks;
   deflected += other.deflected;
   segments += other.segments;
+  shrunk += other.shrunk;
   given += other.given;
   moved += other.moved;
   travel += other.travel;
@@ -76,6 +77,7 @@ nlohmann::json Tally::json() const {
           {"ticks", ticks},
           {"deflected_ticks", deflected},
           {"segments", segments},
+          {"shrunk", shrunk},
           {"refused", nlohmann::json(refused)},
           {"commands", {{"given", given}, {"moved", moved}}},
           {"travel_m", travel},
@@ -90,6 +92,7 @@ Tally Tally::from_json(const nlohmann::json& json) {
   json.at("ticks").get_to(tally.ticks);
   json.at("deflected_ticks").get_to(tally.deflected);
   json.at("segments").get_to(tally.segments);
+  json.at("shrunk").get_to(tally.shrunk);
   json.at("refused").get_to(tally.refused);
   json.at("commands").at("given").get_to(tally.given);
   json.at("commands").at("moved").get_to(tally.moved);

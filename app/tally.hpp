@@ -30,6 +30,7 @@ struct Tally {
   long ticks = 0;
   long deflected = 0;  ///< ticks with the stick deflected
   long segments = 0;   ///< committed
+  long shrunk = 0;     ///< of these, only a part of what was asked for
   std::map<std::string, long> refused;
   long given = 0;  ///< commands, as docs/report.md counts them
   long moved = 0;

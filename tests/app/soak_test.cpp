@@ -163,8 +163,8 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
   EXPECT_EQ(report["violations"]["fall"], 1);
   const std::string script = scratch.path("r.json.5-0.jsonl");
   const double t = report["simulated_s"];
-  EXPECT_THAT(outcome.out,
-              HasSubstr("baton drive --robot mighty --world " + file + " --on sim --input script:" + script));
+  EXPECT_THAT(outcome.out, HasSubstr("baton drive --robot mighty --world " + file +
+                                     " --on sim --duration paper --on-limit shrink --input script:" + script));
   EXPECT_THAT(outcome.out, HasSubstr(fmt::format("--seconds {:.3f}", t)));
 
   EXPECT_EQ(run({"drive", "--world", file, "--on", "sim", "--input", "script:" + script, "--fast", "--seconds",
@@ -173,7 +173,7 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
             kFallen);
   const World gale(file);
   const std::atomic<bool> stop{false};
-  const EpisodeResult again = Episodes(test::robot("mighty"), gale, Session::On::sim, 5, 30.0).run(0, stop);
+  const EpisodeResult again = Episodes(test::robot("mighty"), gale, Session::On::sim, {}, 5, 30.0).run(0, stop);
   const auto rows = scratch.table("t.csv");
   EXPECT_EQ(static_cast<long>(rows.size()) - 1, again.ticks);
   const auto first = std::find(rows.front().begin(), rows.front().end(), "qpos_0") - rows.front().begin();
@@ -185,7 +185,7 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
   const Scratch scratch;
   const World world = World::load("flat");
   const std::atomic<bool> stop{false};
-  const Episodes episodes(test::robot("mighty"), world, Session::On::ideal, 11, 20.0);
+  const Episodes episodes(test::robot("mighty"), world, Session::On::ideal, {}, 11, 20.0);
   const EpisodeResult result = episodes.run(4, stop);
   EXPECT_GE(result.tally.segments, 3);
   ASSERT_EQ(run({"drive", "--world", "flat", "--on", "ideal", "--input",
@@ -203,14 +203,15 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
 TEST(Soak, KnowsWhenNothingGoesAnyMore) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
-  Planning planning(robot, world);
-  GuideContext context;
+  Planning planning(robot, world, {DurationRule::paper, OnLimit::discard});
+  Problem problem;
+  GuideContext& context = problem.context;
   context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
   context.foothold = context.from.sole;
-  EXPECT_FALSE(stuck(planning, context));
+  EXPECT_FALSE(stuck(planning, problem));
   const int elbow = robot.arm(Side::left).back();
   context.from.q[7 + elbow] = robot.joints()[static_cast<std::size_t>(elbow)].position.hi + 0.1;
-  EXPECT_TRUE(stuck(planning, context));
+  EXPECT_TRUE(stuck(planning, problem));
 }
 
 TEST(Soak, BadInputIsOneClearLine) {
