@@ -275,9 +275,9 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
     const Joint& joint = robot_->joints()[j];
     const auto i = 6 + static_cast<Eigen::Index>(j);
-    const double change = std::abs(to[i] - from[i]);
-    const double limit = tolerance_.jump * joint.speed;
-    if (!(change <= limit)) report(Kind::jump, tick.t, change, limit, joint.name);
+    const double rate = std::abs(to[i] - from[i]) / dt;
+    const double limit = robot_->profile().margin.acceleration;
+    if (!(rate <= limit * (1.0 + 1e-6))) report(Kind::joint_acceleration, tick.t, rate, limit, joint.name);
   }
 
   // What must act from outside for this motion, contact left out.

@@ -15,14 +15,14 @@ namespace baton::app {
 class Checker {
  public:
   enum class Kind {
-    not_finite,      ///< a number that is none
-    clock,           ///< time that does not go on by one period [s]
-    target,          ///< a joint is not where it was told to be [rad]
-    joint_range,     ///< joint nearer to its limits than the profile's margin [rad]
-    joint_speed,     ///< faster than the profile allows [rad/s]
-    joint_torque,    ///< share of the stall torque over the profile's, where contact leaves no doubt about it
-    jump,            ///< a joint's speed changes at once [rad/s]
-    rest,            ///< something moves in hold [m or rad]
+    not_finite,          ///< a number that is none
+    clock,               ///< time that does not go on by one period [s]
+    target,              ///< a joint is not where it was told to be [rad]
+    joint_range,         ///< joint nearer to its limits than the profile's margin [rad]
+    joint_speed,         ///< faster than the profile allows [rad/s]
+    joint_torque,        ///< share of the stall torque over the profile's, where contact leaves no doubt about it
+    joint_acceleration,  ///< more than the profile allows [rad/s²]
+    rest,                ///< something moves in hold [m or rad]
     zmp,             ///< of the whole body, nearer to the edge of the planned soles' hull than the profile's margin [m]
     friction,        ///< tangential over vertical force on the ground; infinite where the ground would have to pull
     self_collision,  ///< links nearer to each other than the profile's margin [m]
@@ -32,8 +32,9 @@ class Checker {
     sole_ground,     ///< a standing sole is not on known, flat enough ground [m]
   };
   static constexpr std::array<std::string_view, 15> kNames{
-      "not_finite", "clock",    "target",         "joint_range", "joint_speed", "joint_torque", "jump",       "rest",
-      "zmp",        "friction", "self_collision", "obstacle",    "slip",        "swing_ground", "sole_ground"};
+      "not_finite", "clock", "target",   "joint_range",    "joint_speed", "joint_torque", "joint_acceleration",
+      "rest",       "zmp",   "friction", "self_collision", "obstacle",    "slip",         "swing_ground",
+      "sole_ground"};
 
   /// What a trajectory may miss a limit by. Limits are those of the profile, which the plan keeps at the places that it
   /// wants; what is executed lies beside them by the residual of inverse kinematics.
@@ -43,7 +44,6 @@ class Checker {
     double zmp = 1e-4;        ///< [m] what such a residual moves the hull by
     double friction = 0.002;  ///< [-] the seam of two motions: accelerations at the end of one and the start of the
     double load = 0.002;      ///< [of stall torque] next act at the same tick
-    double jump = 0.25;       ///< [of the speed limit] change of a joint's speed in a tick: no joint starts that fast
     double still = 1e-7;      ///< [m or rad] a resting posture is worked out anew from its soles
     double exact = 1e-9;      ///< [rad, s] rounding where numbers are handed on
   };
