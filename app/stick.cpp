@@ -12,7 +12,7 @@ namespace {
 constexpr double kVisible = 0.05;
 
 /// How often each style is chosen, in percent; `pinned` has its own rule.
-constexpr std::array<int, 10> kShare{24, 12, 13, 8, 8, 6, 0, 12, 7, 10};
+constexpr std::array<int, 11> kShare{22, 12, 12, 8, 8, 6, 0, 11, 7, 8, 6};
 constexpr int kPinned = 6;  ///< percent of the sticks begin with it
 
 }  // namespace
@@ -67,7 +67,12 @@ void Stick::begin_stretch() {
     command_.lift = dice_.percent(45) ? BySide<double>{0.0, 0.0} : BySide<double>{lever(), lever()};
   pace_ = dice_.percent(50) ? dice_.between(1, 20) : dice_.between(20, 200);
   command_.axes = axes();
+  command_.recall = Recall::none;
   switch (style_) {
+    case Style::recall:
+      stretch_ = ticks(300, 6000);
+      command_.recall = dice_.percent(60) ? Recall::retrace : Recall::home;
+      break;
     case Style::calm:
       stretch_ = ticks(2000, 6000);
       wish();
@@ -90,6 +95,7 @@ void Stick::draw() {
   switch (style_) {
     case Style::calm:
     case Style::pinned:
+    case Style::recall:
       return;  // as the stretch began
     case Style::full:
       hold_ = ticks(300, 4000);
