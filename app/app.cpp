@@ -114,7 +114,8 @@ int parse_and_run(std::vector<std::string> args) {
 
   VerifyOptions verify_options;
   CLI::App* verify_command = app.add_subcommand("verify", "Check a motion again, from its file");
-  verify_command->add_option("motion", verify_options.motion, "Motion (JSON), as baton plan --out writes it")->required();
+  verify_command->add_option("motion", verify_options.motion, "Motion (JSON), as baton plan --out writes it")
+      ->required();
   verify_command->add_option("--robot", verify_options.robot, "Robot, instead of the file's");
   verify_command->add_option("--world", verify_options.world, "World, instead of the file's");
 

@@ -56,7 +56,8 @@ ComProblem problem_of(const Step& step) {
     }
     problem.phases.push_back({kShares[i], ConvexPolygon::hull(soles)});
   }
-  problem.knots = {{0.0, problem.p0, 1.0}, {1.0, at(step.left), 1.0}, {2.0, at(step.left), 1.0}, {3.0, problem.goal, 1.0}};
+  problem.knots = {
+      {0.0, problem.p0, 1.0}, {1.0, at(step.left), 1.0}, {2.0, at(step.left), 1.0}, {3.0, problem.goal, 1.0}};
   return problem;
 }
 

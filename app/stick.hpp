@@ -48,8 +48,8 @@ class Stick {
     centred,    ///< let go
     recall,     ///< back along what was done, or home, whatever the stick does meanwhile
   };
-  static constexpr std::array<std::string_view, 11> kNames{"calm",  "full",   "any",       "hectic", "reversal",
-                                                           "modes", "pinned", "throttles", "broken", "centred", "recall"};
+  static constexpr std::array<std::string_view, 11> kNames{
+      "calm", "full", "any", "hectic", "reversal", "modes", "pinned", "throttles", "broken", "centred", "recall"};
 
   /// @param period of a tick [s]
   Stick(std::uint64_t seed, double period);

@@ -174,7 +174,8 @@ Command Guide::shortened(const GuideContext& context, const Command& command, do
   double now = 0.0;
   if (!context.from.contact[side]) {
     const Pose in_world = context.anchor * context.from.sole[side];
-    now = (in_world.p.z() - world_->highest_under(sole_outline(*robot_, side, in_world))) / robot_->profile().swing.lift;
+    now =
+        (in_world.p.z() - world_->highest_under(sole_outline(*robot_, side, in_world))) / robot_->profile().swing.lift;
   }
   lift = std::max(kLeastLift, now + share * (lift - now));
   return shorter;
@@ -201,8 +202,7 @@ GuideResult Guide::go_home(const GuideContext& context) const {
     if (there) continue;
     for (const double yaw : {yaw_of(stance.R), yaw_of(from.sole[side].R)}) {
       const Placement placement = nearest_place(context, side, at.head<2>(), yaw, profile.region.foot_x);
-      const double nearer =
-          (at - from.sole[side].p).head<2>().norm() - (at - placement.sole.p).head<2>().norm();
+      const double nearer = (at - from.sole[side].p).head<2>().norm() - (at - placement.sole.p).head<2>().norm();
       const double turned = std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(from.sole[side].R))) -
                             std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(placement.sole.R)));
       if (placement.against || (nearer < kSamePlace && turned < kSameYaw)) continue;

@@ -126,10 +126,8 @@ KnotResponse knot_response(double omega, std::span<const VrpKnot> knots, const V
       const Vec3 here = offset.at(t);
       const Decay before(omega * std::max(0.0, t - offset.times[i]));
       const Decay after(omega * std::max(0.0, offset.times[i + 1] - t));
-      const Vec3 eta =
-          before.E * forward[i] + (before.F - before.E) * offset.values[i] + (1.0 - before.F) * here;
-      const Vec3 xi =
-          after.E * backward[i + 1] + (1.0 - after.F) * here + (after.F - after.E) * offset.values[i + 1];
+      const Vec3 eta = before.E * forward[i] + (before.F - before.E) * offset.values[i] + (1.0 - before.F) * here;
+      const Vec3 xi = after.E * backward[i + 1] + (1.0 - after.F) * here + (after.F - after.E) * offset.values[i + 1];
       r.eta0.row(k) -= eta;
       r.xi0.row(k) -= xi;
     }

@@ -23,27 +23,28 @@ enum class Reason {
   no_landing,         ///< from there the lifted foot could not be put down again
   no_history,         ///< nothing is left to retrace
   // plan and verify: the motion to it
-  zmp,             ///< ZMP nearer to the edge of the support polygon than the margin [m]
-  unreachable,     ///< inverse kinematics leaves a residual on feet or COM [m or rad]
-  joint_limit,     ///< joint nearer to a position limit than the margin [rad]
-  joint_speed,     ///< joint speed over its limit [rad/s]
+  zmp,                 ///< ZMP nearer to the edge of the support polygon than the margin [m]
+  unreachable,         ///< inverse kinematics leaves a residual on feet or COM [m or rad]
+  joint_limit,         ///< joint nearer to a position limit than the margin [rad]
+  joint_speed,         ///< joint speed over its limit [rad/s]
   joint_acceleration,  ///< the same [rad/s²]
-  joint_torque,    ///< share of the stall torque over its limit [-]
-  friction,        ///< tangential over normal contact force [-]
-  contact_wrench,  ///< share of the weight that no forces at the soles' vertices give [-]
-  self_collision,  ///< links closer than allowed [m]
-  obstacle,        ///< link nearer to something in the world than allowed [m]
-  swing_ground,    ///< swing sole would touch the ground on its way [m]
-  not_finite,      ///< a target or a result is not a number
+  joint_torque,        ///< share of the stall torque over its limit [-]
+  friction,            ///< tangential over normal contact force [-]
+  contact_wrench,      ///< share of the weight that no forces at the soles' vertices give [-]
+  self_collision,      ///< links closer than allowed [m]
+  obstacle,            ///< link nearer to something in the world than allowed [m]
+  swing_ground,        ///< swing sole would touch the ground on its way [m]
+  not_finite,          ///< a target or a result is not a number
 };
 
 inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_finite) + 1;
 
 [[nodiscard]] constexpr std::string_view to_string(Reason reason) {
   constexpr std::array<std::string_view, kReasons> names{
-      "foot_region",    "foot_yaw", "sole_gap",     "ground",      "com_height",  "trunk_inclination", "no_progress",
-      "no_landing", "no_history",     "zmp",      "unreachable",  "joint_limit", "joint_speed", "joint_acceleration", "joint_torque",      "friction", "contact_wrench",
-      "self_collision", "obstacle", "swing_ground", "not_finite"};
+      "foot_region", "foot_yaw",           "sole_gap",     "ground",   "com_height",     "trunk_inclination",
+      "no_progress", "no_landing",         "no_history",   "zmp",      "unreachable",    "joint_limit",
+      "joint_speed", "joint_acceleration", "joint_torque", "friction", "contact_wrench", "self_collision",
+      "obstacle",    "swing_ground",       "not_finite"};
   return names[static_cast<std::size_t>(reason)];
 }
 

@@ -8,10 +8,10 @@
 namespace baton {
 namespace {
 
-constexpr double kPatience = 0.05;    ///< from a refusal at rest to the next request [s]
-constexpr int kShrinkings = 3;        ///< shares of a goal that are tried
+constexpr double kPatience = 0.05;     ///< from a refusal at rest to the next request [s]
+constexpr int kShrinkings = 3;         ///< shares of a goal that are tried
 constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the direction can be had
-constexpr double kWorth = 0.05;       ///< least part of the guided part's reach that a shrunk motion makes
+constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
 constexpr std::size_t kHistory = 200;  ///< motions that are kept to be retraced
 
 }  // namespace
@@ -57,7 +57,8 @@ std::optional<Motion> Planning::shrunk(const Problem& problem) {
   const Posture& from = problem.context.from;
   const Command& command = problem.command;
   const bool both_stand = from.contact.left && from.contact.right;
-  if (command.recall != Recall::none || (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
+  if (command.recall != Recall::none ||
+      (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
     return std::nullopt;
   std::optional<Motion> best;
   const auto tried = [&](const Command& candidate) {

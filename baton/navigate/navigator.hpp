@@ -146,9 +146,9 @@ class Navigator {
   std::optional<Refusal> refusal_;
   int refused_in_a_row_ = 0;
   std::vector<std::shared_ptr<const Trail>> history_;  ///< from rest to rest, the newest last
-  Command refused_;      ///< what `refusal_` answers
-  Pose refused_at_;      ///< anchor then
-  long not_before_ = 0;  ///< tick of the next request from rest, after a refusal
+  Command refused_;                                    ///< what `refusal_` answers
+  Pose refused_at_;                                    ///< anchor then
+  long not_before_ = 0;                                ///< tick of the next request from rest, after a refusal
 };
 
 }  // namespace baton

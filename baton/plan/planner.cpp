@@ -9,13 +9,13 @@
 namespace baton {
 namespace {
 
-constexpr int kSurveyed = 24;           ///< postures that a survey looks at, about
+constexpr int kSurveyed = 24;            ///< postures that a survey looks at, about
 constexpr double kSurveySpacing = 0.02;  ///< but none nearer to each other than this [s]
-constexpr int kSwingSurveyed = 20;      ///< the same while a foot swings
-constexpr int kSurveyIterations = 12;   ///< of inverse kinematics for each
+constexpr int kSwingSurveyed = 20;       ///< the same while a foot swings
+constexpr int kSurveyIterations = 12;    ///< of inverse kinematics for each
 constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
-constexpr double kRoughly = 1.05;       ///< a survey's torques are not exact
-constexpr int kCorrections = 2;         ///< by the limbs' part in the ZMP
+constexpr double kRoughly = 1.05;  ///< a survey's torques are not exact
+constexpr int kCorrections = 2;    ///< by the limbs' part in the ZMP
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
 constexpr int kHalvings = 3;          ///< of the way back to the one that failed
@@ -157,9 +157,7 @@ Planner::Failure Planner::judged(Refusal refusal, const Motion& motion) {
 
 std::optional<Planner::Failure> Planner::look(Task& task, const Timing& timing, Motion& motion) {
   ++motion.durations_tried;
-  const auto failure = [&](Refusal refusal) {
-    return judged(std::move(refusal), motion);
-  };
+  const auto failure = [&](Refusal refusal) { return judged(std::move(refusal), motion); };
   const ComProblem& problem = task.segment.com();
   VrpOffset offset;
   for (int k = 0;; ++k) {
@@ -207,14 +205,14 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(Task& task, const ComP
   const bool again = task.looked.size() == t.size();
   std::vector<VecX> q(t.size(), task.from.q);
   std::vector<VecX> step(t.size() + 1, VecX::Zero(robot_->nv()));  // velocity between postures i − 1 and i
-  std::optional<Failure> hasty;  // what asks for more time, most of all
+  std::optional<Failure> hasty;                                    // what asks for more time, most of all
   double worst = 1.0;
   for (std::size_t i = 1; i <= last; ++i) {
     const double h = t[i] - t[i - 1];
     q[i] = again ? task.looked[i] : q[i - 1];
     if (!again && i > 1) integrate(*robot_, q[i], step[i - 1], h);
     const IkResult result = coarse_.solve(task.segment.targets(path, timing, t[i]), q[i - 1],
-                                      std::numeric_limits<double>::infinity(), q[i], kSurveyIterations);
+                                          std::numeric_limits<double>::infinity(), q[i], kSurveyIterations);
     difference(*robot_, step[i], h, q[i - 1], q[i]);
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
       const Joint& joint = robot_->joints()[j];
@@ -253,8 +251,7 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(Task& task, const ComP
     kinematics_.inverse_dynamics(q[i], dq, ddq, force);
     const Wrench total = ground_wrench(kinematics_, force);
     const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
-    joint_torques(kinematics_, force, share_wrench(*robot_, sole, task.segment.contact(timing, t[i]), total),
-                  tau);
+    joint_torques(kinematics_, force, share_wrench(*robot_, sole, task.segment.contact(timing, t[i]), total), tau);
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
       const Joint& joint = robot_->joints()[j];
       const auto n = static_cast<Eigen::Index>(j);

@@ -10,7 +10,7 @@
 namespace baton {
 namespace {
 
-constexpr int kShiftKnots = 5;         ///< intervals of the VRP in a segment of one phase
+constexpr int kShiftKnots = 5;   ///< intervals of the VRP in a segment of one phase
 constexpr double kLevel = 2e-3;  ///< [m] footholds nearer in height need no shaped swing
 
 constexpr double kGapReserve = 1e-3;   ///< [m]

@@ -109,12 +109,8 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
                        {"left_sole", pose_json(sample.sole.left)},
                        {"right_sole", pose_json(sample.sole.right)}});
   }
-  return {{"robot", place.robot},
-          {"world", place.world},
-          {"anchor", pose_json(place.anchor)},
-          {"period", motion.period},
-          {"phases", phases},
-          {"dq0", numbers(motion.samples.front().dq)},
+  return {{"robot", place.robot},    {"world", place.world}, {"anchor", pose_json(place.anchor)},
+          {"period", motion.period}, {"phases", phases},     {"dq0", numbers(motion.samples.front().dq)},
           {"samples", samples}};
 }
 
@@ -151,8 +147,9 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   for (const ContactPhase& phase : motion.phases)
     sum += phase.ticks;
   if (sum != motion.ticks()) {
-    throw InputError(fmt::format("motion {}: the phases have {} ticks, the samples {}: must be one sample more than ticks",
-                                 file.string(), sum, motion.samples.size()));
+    throw InputError(
+        fmt::format("motion {}: the phases have {} ticks, the samples {}: must be one sample more than ticks",
+                    file.string(), sum, motion.samples.size()));
   }
   motion.samples.back().contact = motion.phases.back().contact;
   differentiate(robot, node.at("dq0").vector(robot.nv()), motion);

@@ -34,8 +34,8 @@ bool is_finite(const MotionSample& sample) {
 
 }  // namespace
 
-/// Keeps the worst value of each quantity, and the first violation; one that a longer duration may mend gives way to one
-/// that none does.
+/// Keeps the worst value of each quantity, and the first violation; one that a longer duration may mend gives way to
+/// one that none does.
 class Verifier::Ledger {
  public:
   /// Returns false from the first violation on.
@@ -43,7 +43,8 @@ class Verifier::Ledger {
     const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
-    if (!(slack >= 0.0) && (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity)))) violation_ = quantity;
+    if (!(slack >= 0.0) && (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity))))
+      violation_ = quantity;
     return !violation_;
   }
 
@@ -79,7 +80,12 @@ class Verifier::Ledger {
 };
 
 Verifier::Verifier(const RobotModel& robot, const World& world)
-    : robot_(&robot), world_(&world), kinematics_(robot), forces_(robot), obstacles_(robot, world), tau_(VecX::Zero(robot.nv() - 6)) {
+    : robot_(&robot),
+      world_(&world),
+      kinematics_(robot),
+      forces_(robot),
+      obstacles_(robot, world),
+      tau_(VecX::Zero(robot.nv() - 6)) {
   const mjModel& m = robot.mj();
   forces_every_ = std::max(1, static_cast<int>(kForcesSpacing / robot.profile().tick.period + 1e-9));
   links_.resize(static_cast<std::size_t>(m.nbody) - 1);
@@ -170,8 +176,8 @@ void Verifier::check_footholds(const Motion& motion, const Pose& anchor, Ledger&
           world_->foothold(sole_outline(*robot_, side, sole), profile.ground, profile.margin.edge);
       const double off = foothold.flat ? std::abs(sole.p.z() - foothold.height)
                                        : std::max(foothold.deviation, 2.0 * profile.ground.flatness);
-      ledger.enter(Reason::ground, foot(side), off, profile.ground.flatness,
-                   static_cast<double>(tick) * motion.period, -1);
+      ledger.enter(Reason::ground, foot(side), off, profile.ground.flatness, static_cast<double>(tick) * motion.period,
+                   -1);
     }
   }
 }

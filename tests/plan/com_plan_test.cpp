@@ -147,7 +147,9 @@ TEST(ComPlan, AHeavierWishIsHeldBetter) {
     ComProblem problem = random_problem(random);
     if (problem.knots.size() < 3) continue;
     const auto k = static_cast<std::size_t>(random.integer(0, static_cast<int>(problem.knots.size()) - 1));
-    const auto miss = [&] { return (com_path(problem, timing_of(problem, 120)).knots()[k] - problem.knots[k].wish).norm(); };
+    const auto miss = [&] {
+      return (com_path(problem, timing_of(problem, 120)).knots()[k] - problem.knots[k].wish).norm();
+    };
     const double before = miss();
     problem.knots[k].weight *= 10.0;
     ASSERT_LE(miss(), before + 1e-12);
@@ -280,7 +282,8 @@ TEST(ComPlan, BoundedKnotsKeepTheZmpInsideAndAreTheNearestThatDo) {
   int active = 0;
   int infeasible = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    ComProblem problem = step_problem(0.042, -random.real(0.04, 0.08), -random.real(0.04, 0.10), random.real(0.24, 0.28));
+    ComProblem problem =
+        step_problem(0.042, -random.real(0.04, 0.08), -random.real(0.04, 0.10), random.real(0.24, 0.28));
     problem.knots.insert(problem.knots.begin() + 1, {0.5, problem.p0, 1.0});
     problem.knots.insert(problem.knots.end() - 1, {2.5, problem.goal, 1.0});
     problem.goal.x() += random.real(-0.03, 0.03);

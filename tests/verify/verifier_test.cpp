@@ -230,7 +230,8 @@ TEST_P(VerifierTest, VertexForcesGiveWhatForcesAtTheVerticesGive) {
   for (int trial = 0; trial < 2000; ++trial) {
     BySide<Pose> sole;
     for (const Side side : kSides) {
-      sole[side].p = size_ * Vec3(0.3 * uniform(random), sign_of(side) * (0.2 + 0.2 * uniform(random)), 0.2 * uniform(random));
+      sole[side].p =
+          size_ * Vec3(0.3 * uniform(random), sign_of(side) * (0.2 + 0.2 * uniform(random)), 0.2 * uniform(random));
       sole[side].R = rotation_exp(0.1 * Vec3(uniform(random), uniform(random), uniform(random)));
     }
     const BySide<bool> contact{trial % 3 != 1, trial % 3 != 2};
@@ -271,8 +272,8 @@ TEST_P(VerifierTest, RefusesALandingWithoutGround) {
   const auto file = std::filesystem::path(test::temp_folder()) / ("baton_ledge_" + GetParam() + ".xml");
   const double far = 10.0 * size_;
   std::ofstream(file) << "<mujoco model=\"ledge\"><worldbody><site name=\"start\"/>\n"
-                      << "<geom name=\"ground_here\" type=\"box\" pos=\"" << landing.p.x() - far << " 0 -1\" size=\"" << far
-                      << " " << far << " 1\"/></worldbody></mujoco>\n";
+                      << "<geom name=\"ground_here\" type=\"box\" pos=\"" << landing.p.x() - far << " 0 -1\" size=\""
+                      << far << " " << far << " 1\"/></worldbody></mujoco>\n";
   const World ledge(file);
   Verifier verifier(robot_, ledge);
   const Refusal refusal = refusal_of(motion, verifier);
