@@ -12,6 +12,7 @@ constexpr double kPatience = 0.05;     ///< from a refusal at rest to the next r
 constexpr int kShrinkings = 3;         ///< shares of a goal that are tried
 constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the direction can be had
 constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
+constexpr double kSlip = 0.2;          ///< jump of the planning frame that is a slip, of the reach of a foot
 constexpr std::size_t kHistory = 200;  ///< motions that are kept to be retraced
 
 }  // namespace
@@ -165,7 +166,11 @@ std::optional<Problem> Navigator::request() {
   const bool a_foot_is_up = !stands.left || !stands.right;
   if (command_.neutral() && !a_foot_is_up) return std::nullopt;
 
-  const Problem due = problem(command_);
+  Problem due = problem(command_);
+  if ((due.context.anchor.p - anchor_.p).norm() > kSlip * robot_->profile().reach.foot) {
+    history_.clear();  // it slipped: what led here does not lead back
+    due.trail.reset();
+  }
   // What was refused would be refused again, from the same place.
   const bool same_place = (due.context.anchor.p - refused_at_.p).norm() < 1e-3;
   if (!motion_ && ((refusal_ && same_place) || tick_ < not_before_)) return std::nullopt;

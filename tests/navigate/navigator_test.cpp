@@ -277,6 +277,30 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
   EXPECT_GT(retraced, 200);
 }
 
+TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
+  Trip run(robot_);
+  while (run.navigator().committed() < 3)
+    run.step(push(Part::trunk, 0));
+  while (run.navigator().motion() != nullptr)
+    run.step({});
+  ASSERT_EQ(run.navigator().history(), 3u);
+  Command back;
+  back.recall = Recall::retrace;
+  Measurement measurement = run.body().read();
+  for (const double share : {0.1, 0.3}) {
+    Measurement slid = measurement;
+    slid.root->pose.p.x() += share * robot_.profile().reach.foot;
+    run.navigator().tick(slid, back);
+    const std::optional<Problem> problem = run.navigator().request();
+    ASSERT_TRUE(problem.has_value());
+    EXPECT_EQ(problem->trail != nullptr, share < 0.2);
+    EXPECT_EQ(run.navigator().history(), share < 0.2 ? 3u : 0u);
+    // In vain: the answer is withheld until its tick has passed.
+    while (run.navigator().now() <= problem->take_over)
+      run.navigator().tick(slid, {});
+  }
+}
+
 TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
   std::mt19937_64 random(22);
   for (int trial = 0; trial < 8; ++trial) {
