@@ -43,11 +43,12 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       shares.assign(profile.step.begin(), profile.step.end());
       contact_ = {both, only(other(*goal.swing)), both};
       wish(0.0, from.com, w[0]);
-      wish(0.5, from.com, w[0]);
+      wish(0.7, from.com, w[0]);
       wish(1.0, stance, w[1]);
-      wish(1.5, stance, 0.5 * (w[1] + w[2]));
+      wish(1.33, stance, 0.5 * (w[1] + w[2]));
+      wish(1.67, stance, 0.5 * (w[1] + w[2]));
       wish(2.0, stance, w[2]);
-      wish(2.5, goal.com, w[3]);
+      wish(2.3, goal.com, w[3]);
       wish(3.0, goal.com, w[3]);
       break;
     case SegmentKind::lift:
