@@ -130,14 +130,17 @@ std::optional<ComPath> BoundedCom::path(const ComProblem& problem, const Timing&
     w.ce.segment<2>(2 * axis) = -r.b.col(axis);
   }
   const double rest = kGravity / (problem.omega * problem.omega);
-  for (Eigen::Index row = 0; row < m; ++row) {
-    const Edge& edge = edges[static_cast<std::size_t>(row)];
-    const Eigen::Index k = edge.knot;
-    const auto i = static_cast<std::size_t>(k);
+  std::vector<double> part(knots.size());  // f at each knot
+  for (std::size_t i = 0; i < knots.size(); ++i) {
     const double z = path.at(knots[i].t).p.z();
     const double lever = z - v[i].z() + rest;
     if (!(lever > 0.0)) return std::nullopt;
-    const double f = (z - problem.plane) / lever;
+    part[i] = (z - problem.plane) / lever;
+  }
+  for (Eigen::Index row = 0; row < m; ++row) {
+    const Edge& edge = edges[static_cast<std::size_t>(row)];
+    const Eigen::Index k = edge.knot;
+    const double f = part[static_cast<std::size_t>(k)];
     w.ci[row] = -edge.offset;
     for (int axis = 0; axis < 2; ++axis) {
       const double a = edge.inward[axis];
