@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "baton/ik/stand.hpp"
 #include "baton/plan/retrace.hpp"
+#include "baton/plan/shortest.hpp"
 
 namespace baton {
 namespace {
@@ -18,9 +20,11 @@ constexpr double kRoughly = 1.05;  ///< a survey's torques are not exact
 constexpr int kCorrections = 2;    ///< by the limbs' part in the ZMP
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
+constexpr double kSlower = 1.5;       ///< the same from one that failed for what is not a matter of time
 constexpr int kHalvings = 3;          ///< of the way back to the one that failed
 constexpr double kResolution = 0.04;  ///< relative, at which that is given up
-constexpr int kMostFinishes = 5;      ///< durations that are worked out whole
+constexpr int kDivisions = 3;         ///< steps from the division by shares to that of the shortest
+constexpr int kMostFinishes = 6;      ///< durations that are worked out whole
 
 /// The factor on the duration that may mend it: speeds go with 1/T, accelerations with 1/T².
 double stretch_for(const Refusal& refusal) {
@@ -69,73 +73,73 @@ PlanResult Planner::by_paper(Task& task, Motion motion) {
   return failure->refusal;
 }
 
-bool Planner::feasible(const Segment& segment, const Timing& timing) {
-  return com_.path(segment.com(), timing).has_value();
-}
-
-std::optional<Timing> Planner::timing(const Segment& segment, int ticks) {
-  const double period = robot_->profile().tick.period;
+std::optional<Timing> Planner::timing(const Segment& segment, const Timing& shortest, int ticks) {
   const ComProblem& com = segment.com();
-  Timing timing = timing_by_shares(com.phases, ticks, period);
   const std::optional<std::size_t> swing = segment.swing_phase();
-  const int least = swing ? static_cast<int>(std::ceil(robot_->profile().swing.time / period - 1e-9)) : 0;
-  const auto swings = [&] { return timing.border[*swing + 1] - timing.border[*swing]; };
-  if ((!swing || swings() >= least) && feasible(segment, timing)) return timing;
-  if (!swing || com.phases.size() == 1) return std::nullopt;
-  // The shortest swing; the rest of the time is divided as before.
-  const int rest = ticks - least;
-  if (rest < static_cast<int>(com.phases.size()) - 1) return std::nullopt;
-  double others = 0.0;
-  for (std::size_t i = 0; i < com.phases.size(); ++i)
-    others += i == *swing ? 0.0 : com.phases[i].share;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < com.phases.size(); ++i) {
-    sum += i == *swing ? 0.0 : com.phases[i].share / others * rest;
-    timing.border[i + 1] = static_cast<int>(std::lround(sum)) + (i >= *swing ? least : 0);
+  const Timing by_shares = timing_by_shares(com.phases, ticks, shortest.period);
+  Timing timing = by_shares;
+  for (int k = 0; k <= kDivisions; ++k) {
+    for (std::size_t i = 1; i + 1 < timing.border.size(); ++i) {
+      const double stretched = 1.0 * shortest.border[i] * ticks / shortest.ticks();
+      timing.border[i] =
+          static_cast<int>(std::lround(by_shares.border[i] + (stretched - by_shares.border[i]) * k / kDivisions));
+    }
+    const auto swings = [&](const Timing& t) { return t.border[*swing + 1] - t.border[*swing]; };
+    const bool long_enough = !swing || swings(timing) >= swings(shortest);
+    if (long_enough && com_.path(com, timing)) return timing;
+    if (!swing) break;
   }
-  return feasible(segment, timing) ? std::optional(timing) : std::nullopt;
+  return std::nullopt;
 }
 
 PlanResult Planner::by_search(Task& task, Motion motion) {
   const Profile& profile = robot_->profile();
   const auto in_ticks = [&](double t) { return static_cast<int>(std::lround(t / motion.period)); };
   const int longest = in_ticks(profile.duration.max);
-  // The shortest that the point mass can do.
-  int failed = std::max(static_cast<int>(task.segment.com().phases.size()), in_ticks(profile.swing.time)) - 1;
-  int ticks = longest;
-  if (!timing(task.segment, longest)) {
-    const Timing by_shares = timing_by_shares(task.segment.com().phases, longest, motion.period);
-    const ZmpMargin zmp = zmp_margin(task.segment.com(), com_path(task.segment.com(), by_shares), by_shares);
-    return Refusal{Reason::zmp, motion.goal.guided, zmp.margin, task.segment.com().margin, "point mass"};
+  const int least_swing = static_cast<int>(std::ceil(profile.swing.time / motion.period - 1e-9));
+  const ComProblem& com = task.segment.com();
+  // The shortest that the point mass can do, but nothing that is over sooner than a swing.
+  const std::optional<Shortest> shortest =
+      shortest_timing(com_, com, task.segment.swing_phase(), least_swing, longest, motion.period);
+  if (!shortest) {
+    const Timing by_shares = timing_by_shares(com.phases, longest, motion.period);
+    const ZmpMargin zmp = zmp_margin(com, com_path(com, by_shares), by_shares);
+    return Refusal{Reason::zmp, motion.goal.guided, zmp.margin, com.margin, "point mass"};
   }
-  while (ticks - failed > 1) {
-    const int middle = (ticks + failed) / 2;
-    (timing(task.segment, middle) ? ticks : failed) = middle;
-  }
+  int ticks = std::max(shortest->timing.ticks(), least_swing);
+  int failed = ticks - 1;
   // Longer until a look along it finds nothing against it, and back halfway to what failed.
   std::optional<Timing> found;
   const auto looks_good = [&](int duration) -> std::optional<Failure> {
-    found = timing(task.segment, duration);
-    if (!found) return Failure{{Reason::zmp, motion.goal.guided, 0, task.segment.com().margin, ""}, kGrowth};
+    found = timing(task.segment, shortest->timing, duration);
+    if (!found) return Failure{{Reason::zmp, motion.goal.guided, 0, com.margin, ""}, kGrowth};
     return look(task, *found, motion);
   };
   const auto longer = [&](double stretch) { return std::min(longest, static_cast<int>(std::ceil(ticks * stretch))); };
+  // A quick motion leans farther out than a slow one: against that, too, more time may help, but once is enough.
+  double chance = kSlower;
+  const auto stretch_after = [&](const Failure& failure) {
+    return failure.stretch > 0.0 ? failure.stretch : std::exchange(chance, 0.0);
+  };
   while (const std::optional<Failure> failure = looks_good(ticks)) {
-    if (failure->stretch == 0.0 || ticks == longest) return failure->refusal;
+    const double stretch = stretch_after(*failure);
+    if (stretch == 0.0 || ticks == longest) return failure->refusal;
     failed = ticks;
-    ticks = longer(std::max(failure->stretch, kGrowth));
+    ticks = longer(std::max(stretch, kGrowth));
   }
   for (int k = 0; k < kHalvings && ticks - failed > kResolution * ticks; ++k) {
     const int middle = (ticks + failed) / 2;
     (looks_good(middle) ? failed : ticks) = middle;
   }
   std::optional<Failure> failure;
-  for (int k = 0; k < kMostFinishes; ++k) {
+  double least_stretch = 1.0 + kResolution;
+  for (int k = 0; k < kMostFinishes; ++k, least_stretch *= least_stretch) {
     failure = looks_good(ticks);
     if (!failure) failure = finish(task, *found, motion);
     if (!failure) return motion;
-    if (failure->stretch == 0.0 || ticks == longest) break;
-    ticks = longer(std::max(failure->stretch, 1.0 + kResolution));
+    const double stretch = stretch_after(*failure);
+    if (stretch == 0.0 || ticks == longest) break;
+    ticks = longer(std::max(stretch, least_stretch));
   }
   return failure->refusal;
 }

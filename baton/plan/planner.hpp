@@ -51,10 +51,9 @@ class Planner {
   [[nodiscard]] std::optional<Failure> look(Task& task, const Timing& timing, Motion& motion);
   /// The same candidate worked out and verified at every tick.
   [[nodiscard]] std::optional<Failure> finish(Task& task, const Timing& timing, Motion& motion);
-  /// Whether the point mass alone can do it.
-  [[nodiscard]] bool feasible(const Segment& segment, const Timing& timing);
-  /// Of the shares that a duration may be divided by, the preferred one with which the point mass can do it.
-  [[nodiscard]] std::optional<Timing> timing(const Segment& segment, int ticks);
+  /// How to divide a duration: as near to the shares as the point mass can do it, on the way to the division of the
+  /// shortest.
+  [[nodiscard]] std::optional<Timing> timing(const Segment& segment, const Timing& shortest, int ticks);
   /// A look at a candidate, a few postures only: what certainly fails is not worth more; else the limbs' part in its
   /// ZMP.
   [[nodiscard]] std::variant<VrpOffset, Failure> survey(Task& task, const ComPath& path, const Timing& timing);
