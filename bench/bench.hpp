@@ -1,5 +1,4 @@
-/// A small harness: thread CPU time of single calls, as median and 99th percentile, beside a yardstick of the
-/// same run.
+/// A small harness: thread CPU time of single calls, and other quantities, as median, 99th percentile and worst.
 #pragma once
 
 #include <ctime>
@@ -11,6 +10,7 @@
 
 namespace baton::bench {
 
+/// Of this thread [µs].
 inline double cpu_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -19,11 +19,12 @@ inline double cpu_us() {
 
 struct Row {
   std::string name;
-  std::vector<double> us;  ///< of each call
+  std::vector<double> values;  ///< of each call
   std::string remark;
+  std::string unit = "us";
 
   [[nodiscard]] double quantile(double share) const {
-    std::vector<double> sorted = us;
+    std::vector<double> sorted = values;
     std::sort(sorted.begin(), sorted.end());
     if (sorted.empty()) return 0.0;
     return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
@@ -34,12 +35,20 @@ struct Row {
 inline void time(Row& row, const std::function<void()>& call) {
   const double before = cpu_us();
   call();
-  row.us.push_back(cpu_us() - before);
+  row.values.push_back(cpu_us() - before);
 }
 
-std::vector<Row> yardstick();
-std::vector<Row> bench_plan();
-std::vector<Row> bench_ik();
-std::vector<Row> bench_run();
+struct Options {
+  int scripts = 0;  ///< of the comparison with a baseline; 0: 1,000 for the baseline, of ours as many as fit in a minute
+};
+
+using Rows = std::vector<Row>;
+Rows yardstick(const Options&);
+Rows bench_plan(const Options&);
+Rows bench_duration(const Options&);
+Rows bench_segment(const Options&);
+Rows bench_ik(const Options&);
+Rows bench_run(const Options&);
+Rows bench_baseline(const Options&);
 
 }  // namespace baton::bench

@@ -1,25 +1,11 @@
 #include "bench/goals.hpp"
 
-#include <random>
-
 #include "baton/ik/stand.hpp"
 #include "baton/model/contact.hpp"
+#include "bench/draw.hpp"
 
 namespace baton::bench {
 namespace {
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : engine_(seed) {}
-  /// In [lo, hi); the same on every platform.
-  double real(double lo, double hi) { return lo + (hi - lo) * 0x1p-53 * static_cast<double>(engine_() >> 11); }
-  double real(const Range& range) { return real(range.lo, range.hi); }
-  int below(int n) { return static_cast<int>(real(0.0, n)); }
-  bool chance(double share) { return real(0.0, 1.0) < share; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// A posture at rest, or none if the joints do not allow it.
 std::optional<Posture> random_posture(const RobotModel& robot, const Posture& home, InverseKinematics& ik, Draw& draw) {

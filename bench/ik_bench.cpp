@@ -8,7 +8,7 @@
 
 namespace baton::bench {
 
-std::vector<Row> bench_ik() {
+Rows bench_ik(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
   app::Session session(robot, world, app::Session::On::ideal);

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <map>
+
 #include "baton/ik/stand.hpp"
 #include "bench/bench.hpp"
 
 namespace baton::bench {
 
-std::vector<Row> yardstick() {
+Rows yardstick(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const Posture home = stand(robot, Pose{}, robot.profile().stance.com_height);
   Kinematics kinematics(robot);
@@ -16,23 +19,43 @@ std::vector<Row> yardstick() {
         kinematics.set(home.q);
     });
   }
-  for (double& us : row.us)
+  for (double& us : row.values)
     us /= 20.0;
   return {row};
 }
 
 }  // namespace baton::bench
 
-int main() {
+int main(int argc, char** argv) {
   using namespace baton::bench;
-  fmt::print("{:<42} {:>10} {:>10} {:>8} {:>9}  {}\n", "thread CPU time", "median us", "p99 us", "calls", "/ yard", "");
+  const std::vector<std::pair<std::string, Rows (*)(const Options&)>> groups{
+      {"plan", bench_plan}, {"duration", bench_duration}, {"segment", bench_segment}, {"ik", bench_ik},
+      {"run", bench_run},   {"baseline", bench_baseline}};
+  CLI::App app("Thread CPU times, durations, and a baseline, as one table.");
+  Options options;
+  std::vector<std::string> chosen;
+  std::string names;
+  for (const auto& [name, bench] : groups)
+    names += " " + name;
+  app.add_option("groups", chosen, "which of" + names + " (all)");
+  app.add_option("--scripts", options.scripts, "for `baseline`: this many for both sides (1000, and what a minute takes)");
+  CLI11_PARSE(app, argc, argv);
+
+  fmt::print("{:<44} {:>5} {:>10} {:>10} {:>10} {:>7} {:>8}\n", "", "unit", "median", "p99", "worst", "count", "/ yard");
   double yard = 0.0;
-  for (const auto& group : {yardstick, bench_plan, bench_ik, bench_run}) {
-    for (const Row& row : group()) {
-      if (yard == 0.0) yard = row.quantile(0.5);
-      fmt::print("{:<42} {:>10.2f} {:>10.2f} {:>8} {:>9.1f}  {}\n", row.name, row.quantile(0.5), row.quantile(0.99),
-                 row.us.size(), row.quantile(0.5) / yard, row.remark);
+  const auto print = [&](const Rows& rows) {
+    for (const Row& row : rows) {
+      const double median = row.quantile(0.5);
+      if (yard == 0.0) yard = median;
+      const std::string yards = row.unit == "us" ? fmt::format("{:.1f}", median / yard) : "";
+      fmt::print("{:<44} {:>5} {:>10.2f} {:>10.2f} {:>10.2f} {:>7} {:>8}  {}\n", row.name, row.unit, median,
+                 row.quantile(0.99), row.quantile(1.0), row.values.size(), yards, row.remark);
     }
+    std::fflush(stdout);
+  };
+  print(yardstick(options));
+  for (const auto& [name, bench] : groups) {
+    if (chosen.empty() || std::find(chosen.begin(), chosen.end(), name) != chosen.end()) print(bench(options));
   }
   return 0;
 }

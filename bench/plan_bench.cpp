@@ -10,7 +10,7 @@
 
 namespace baton::bench {
 
-std::vector<Row> bench_plan() {
+Rows bench_plan(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const Profile& profile = robot.profile();
   const Posture home = stand(robot, Pose{}, profile.stance.com_height);

@@ -6,15 +6,15 @@
 
 namespace baton::bench {
 
-std::vector<Row> bench_run() {
+Rows bench_run(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("room");
   app::Session session(robot, world, app::Session::On::sim);
   Row tick{"navigate: a tick", {}, ""};
   Row plan{"plan: a committed segment, verified whole", {}, "guide, durations, ik and verification at every tick"};
-  session.on_tick = [&](const TickRecord& record) { tick.us.push_back(record.tick_us); };
+  session.on_tick = [&](const TickRecord& record) { tick.values.push_back(record.tick_us); };
   session.on_plan = [&](const PlanRecord& record) {
-    if (std::holds_alternative<Motion>(record.result.outcome)) plan.us.push_back(record.plan_us);
+    if (std::holds_alternative<Motion>(record.result.outcome)) plan.values.push_back(record.plan_us);
   };
   const double before = cpu_us();
   const double seconds = 30.0;
@@ -25,7 +25,7 @@ std::vector<Row> bench_run() {
     session.step(command);
   }
   Row sim{"sim: a second of physics with control", {(cpu_us() - before) / seconds}, ""};
-  sim.remark = fmt::format("{:.0f} x real time", 1e6 / sim.us.front());
+  sim.remark = fmt::format("{:.0f} x real time", 1e6 / sim.values.front());
   return {tick, plan, sim};
 }
 

@@ -53,6 +53,8 @@ struct Motion {
   Certificate certificate;
   int durations_tried = 0;  ///< by the duration correction
   bool retraces = false;    ///< an executed motion, backwards
+  /// What spoke against the longest of the shorter durations that were tried.
+  std::optional<Refusal> not_shorter;
   /// What spoke against the goal that the command asked for, if this is only a part of the way there.
   std::optional<Refusal> limit;
 

@@ -68,6 +68,7 @@ PlanResult Planner::by_paper(Task& task, Motion motion) {
     if (!failure) failure = finish(task, timing, motion);
     if (!failure) return motion;
     if (failure->stretch == 0.0) break;
+    motion.not_shorter = failure->refusal;
     if (failure->refusal.reason == Reason::joint_speed) certain = std::min(failure->stretch * T, duration.max);
   }
   return failure->refusal;
@@ -106,14 +107,19 @@ PlanResult Planner::by_search(Task& task, Motion motion) {
     const ZmpMargin zmp = zmp_margin(com, com_path(com, by_shares), by_shares);
     return Refusal{Reason::zmp, motion.goal.guided, zmp.margin, com.margin, "point mass"};
   }
-  int ticks = std::max(shortest->timing.ticks(), least_swing);
+  int ticks = shortest->timing.ticks();
+  if (ticks > least_swing + static_cast<int>(com.phases.size()) - 1)
+    motion.not_shorter = Refusal{Reason::zmp, motion.goal.guided, 0, com.margin, "point mass"};
+  ticks = std::max(ticks, least_swing);
   int failed = ticks - 1;
   // Longer until a look along it finds nothing against it, and back halfway to what failed.
   std::optional<Timing> found;
-  const auto looks_good = [&](int duration) -> std::optional<Failure> {
+  const auto looks_good = [&](int duration) {
+    std::optional<Failure> failure = Failure{{Reason::zmp, motion.goal.guided, 0, com.margin, ""}, kGrowth};
     found = timing(task.segment, shortest->timing, duration);
-    if (!found) return Failure{{Reason::zmp, motion.goal.guided, 0, com.margin, ""}, kGrowth};
-    return look(task, *found, motion);
+    if (found) failure = look(task, *found, motion);
+    if (failure) motion.not_shorter = failure->refusal;
+    return failure;
   };
   const auto longer = [&](double stretch) { return std::min(longest, static_cast<int>(std::ceil(ticks * stretch))); };
   // A quick motion leans farther out than a slow one: against that, too, more time may help, but once is enough.
@@ -137,6 +143,7 @@ PlanResult Planner::by_search(Task& task, Motion motion) {
     failure = looks_good(ticks);
     if (!failure) failure = finish(task, *found, motion);
     if (!failure) return motion;
+    motion.not_shorter = failure->refusal;
     const double stretch = stretch_after(*failure);
     if (stretch == 0.0 || ticks == longest) break;
     ticks = longer(std::max(stretch, least_stretch));

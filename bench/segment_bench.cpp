@@ -1,0 +1,48 @@
+// One committed segment at a time: planned, corrected by the limbs' part in the ZMP, worked out at every tick and
+// verified, by both rules for its duration. The segments are those of random sticks on `ideal`.
+#include <fmt/format.h>
+
+#include "app/session.hpp"
+#include "bench/bench.hpp"
+#include "bench/scripts.hpp"
+
+namespace baton::bench {
+
+Rows bench_segment(const Options& /*unused*/) {
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("flat");
+  Rows rows;
+  for (const DurationRule rule : {DurationRule::paper, DurationRule::search}) {
+    const std::string name = rule == DurationRule::paper ? "paper's rule" : "search";
+    Row segment{"plan: a committed segment, " + name, {}, ""};
+    Row request{"plan: a request answered by one, " + name, {}, "guide, all its goals, landing, shrinking"};
+    Planner planner(robot, world, rule);
+    double T = 0.0;
+    double tried = 0.0;
+    constexpr int kScripts = 4;
+    for (std::uint64_t seed = 1; seed <= kScripts; ++seed) {
+      app::Session session(robot, world, app::Session::On::ideal, std::nullopt, {}, Modes{rule, OnLimit::shrink});
+      session.on_plan = [&](const PlanRecord& record) {
+        const auto* motion = std::get_if<Motion>(&record.result.outcome);
+        if (motion == nullptr) return;
+        request.values.push_back(record.plan_us);
+        const GuideContext& context = record.problem.context;
+        std::optional<PlanResult> again;
+        time(segment, [&] { again = planner.plan(context.from, motion->goal, context.anchor); });
+        T += std::get<Motion>(*again).duration();
+        tried += std::get<Motion>(*again).durations_tried;
+      };
+      for (const Stretch& stretch : random_script(seed, 30.0)) {
+        while (session.t() < stretch.until - 1e-9)
+          session.step(stretch.command);
+      }
+    }
+    const auto n = static_cast<double>(segment.values.size());
+    segment.remark = fmt::format("mean T {:.2f} s, {:.1f} durations looked at", T / n, tried / n);
+    rows.push_back(std::move(segment));
+    rows.push_back(std::move(request));
+  }
+  return rows;
+}
+
+}  // namespace baton::bench
