@@ -9,10 +9,9 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kSmoothing = 0.05;  ///< time constant of velocities [s]
-constexpr double kApproach = 0.2;    ///< and of going to a place [s]
-constexpr double kOnGround = 1e-4;   ///< [m]
-constexpr double kClear = 5e-3;      ///< a careful foot goes sideways from this height on [m]
+constexpr double kApproach = 0.2;    ///< time constant of going to a place, and of stopping before a limit [s]
+constexpr double kOnGround = 1e-4;  ///< [m]
+constexpr double kClear = 5e-3;     ///< a careful foot goes sideways from this height on [m]
 
 double tilt(const Mat3& R) {
   return std::acos(std::clamp(R(2, 2), -1.0, 1.0));
@@ -25,6 +24,7 @@ VelocityTracking::VelocityTracking(const RobotModel& robot, const Posture& start
       care_(care),
       dt_(robot.profile().tick.period),
       T_(robot.profile().duration.first),
+      share_(1.0 - std::exp(-robot.omega() * dt_)),
       ik_(robot),
       height_(start.com.z()),
       q_(start.q),
@@ -36,7 +36,7 @@ VelocityTracking::VelocityTracking(const RobotModel& robot, const Posture& start
 }
 
 void VelocityTracking::smooth(Vec3& velocity, const Vec3& wanted) const {
-  velocity += std::min(1.0, dt_ / kSmoothing) * (wanted - velocity);
+  velocity += share_ * (wanted - velocity);
 }
 
 Vec3 VelocityTracking::towards(const Vec3& difference, double speed) {
@@ -85,27 +85,37 @@ void VelocityTracking::move_foot(Side side, const Command& command, const Mat3& 
   const double climb = profile.swing.lift / (0.5 * T_);
   const bool moves = command.guide == foot(side) && (care_ == Care::none ? up : sole.p.z() > kClear);
   Vec3 velocity = Vec3::Zero();
-  if (moves) velocity = heading * Vec3(command.axes[0], command.axes[1], 0.0) * profile.reach.foot / T_;
+  double rate = 0.0;
+  if (moves) {
+    velocity = heading * Vec3(command.axes[0], command.axes[1], 0.0) * profile.reach.foot / T_;
+    rate = command.axes[5] * profile.reach.rotation / T_;
+    if (care_ == Care::regions) {
+      const Profile::Region& region = profile.region;
+      Pose next{sole.p + kApproach * velocity, rotation_z(kApproach * rate) * sole.R};
+      Vec3 at = stance.R.transpose() * (next.p - stance.p);
+      at.x() = std::clamp(at.x(), region.foot_x.lo, region.foot_x.hi);
+      at.y() = sign_of(side) * std::clamp(sign_of(side) * at.y(), region.foot_lateral.lo, region.foot_lateral.hi);
+      next.p.head<2>() = (stance.p + stance.R * at).head<2>();
+      const double turned = wrap_angle(yaw_of(next.R) - yaw_of(stance.R));
+      next.R = rotation_z(yaw_of(stance.R) + std::clamp(turned, -region.foot_yaw, region.foot_yaw));
+      const ConvexPolygon beside = sole_outline(*robot_, other(side), stance);
+      const double gap = separation(sole_outline(*robot_, side, next), beside);
+      const bool closer = gap < region.sole_gap && gap < separation(sole_outline(*robot_, side, sole), beside);
+      velocity = closer ? Vec3(Vec3::Zero()) : Vec3((next.p - sole.p) / kApproach);
+      rate = closer ? 0.0 : wrap_angle(yaw_of(next.R) - yaw_of(sole.R)) / kApproach;
+    }
+  }
   velocity.z() = std::clamp((wanted - sole.p.z()) / (0.25 * kApproach), -climb, climb);
-  smooth(foot_velocity_[side], velocity);
-  yaw_rate_[side] += std::min(1.0, dt_ / kSmoothing) *
-                     ((moves ? command.axes[5] * profile.reach.rotation / T_ : 0.0) - yaw_rate_[side]);
   if (contact_[side] && !up) {
     foot_velocity_[side].setZero();
     yaw_rate_[side] = 0.0;
     return;
   }
+  smooth(foot_velocity_[side], velocity);
+  foot_velocity_[side].z() = velocity.z();
+  yaw_rate_[side] += share_ * (rate - yaw_rate_[side]);
   sole.p += dt_ * foot_velocity_[side];
   sole.R = rotation_z(dt_ * yaw_rate_[side]) * sole.R;
-  if (care_ == Care::regions) {
-    const Profile::Region& region = profile.region;
-    Vec3 at = stance.R.transpose() * (sole.p - stance.p);
-    at.x() = std::clamp(at.x(), region.foot_x.lo, region.foot_x.hi);
-    at.y() = sign_of(side) * std::clamp(sign_of(side) * at.y(), region.foot_lateral.lo, region.foot_lateral.hi);
-    sole.p.head<2>() = (stance.p + stance.R * at).head<2>();
-    const double turned = wrap_angle(yaw_of(sole.R) - yaw_of(stance.R));
-    sole.R = rotation_z(yaw_of(stance.R) + std::clamp(turned, -region.foot_yaw, region.foot_yaw));
-  }
   contact_[side] = !up && sole.p.z() < kOnGround;
   if (contact_[side]) sole.p.z() = 0.0;
   sole.p.z() = std::max(sole.p.z(), 0.0);
@@ -116,14 +126,18 @@ void VelocityTracking::move_com(const Command& command, const Mat3& heading) {
   const double speed = profile.reach.trunk / T_;
   Vec3& com = targets_.com;
   if (command.guide == Part::trunk && !rises_) {
-    smooth(com_velocity_, heading * command.axes.head<3>() * speed);
-    com += dt_ * com_velocity_;
+    Vec3 velocity = heading * command.axes.head<3>() * speed;
     if (care_ == Care::regions) {
+      const Range& heights = profile.region.com_height;
+      Vec3 next = com + kApproach * velocity;
       const ConvexPolygon support = support_polygon(*robot_, targets_.sole, contact_, com, 0.0);
       const ConvexPolygon region = support.inset(profile.margin.stand_on);
-      if (region.margin(com.head<2>()) < 0.0) com.head<2>() = region.nearest(com.head<2>());
-      com.z() = std::clamp(com.z(), profile.region.com_height.lo, profile.region.com_height.hi);
+      if (region.margin(next.head<2>()) < 0.0) next.head<2>() = region.nearest(next.head<2>());
+      next.z() = std::clamp(next.z(), heights.lo, heights.hi);
+      velocity = (next - com) / kApproach;
     }
+    smooth(com_velocity_, velocity);
+    com += dt_ * com_velocity_;
     height_ = com.z();
     return;
   }
@@ -135,19 +149,17 @@ void VelocityTracking::move_com(const Command& command, const Mat3& heading) {
 
 void VelocityTracking::move_trunk(const Command& command, const Mat3& heading) {
   const double speed = robot_->profile().reach.rotation / T_;
-  const Vec3 wanted = command.guide == Part::trunk ? Vec3(heading * command.axes.tail<3>() * speed)
-                                                   : towards(rotation_error(heading, targets_.trunk), speed);
-  smooth(trunk_rate_, wanted);
-  const Mat3 next = rotation_exp(dt_ * trunk_rate_) * targets_.trunk;
-  const Profile::Region& region = robot_->profile().region;
-  const double turned = wrap_angle(yaw_of(next) - yaw_of(heading));
-  const bool too_far = (tilt(next) > region.trunk_inclination && tilt(next) > tilt(targets_.trunk)) ||
-                       std::abs(turned) > region.foot_yaw;
-  if (care_ == Care::regions && too_far && command.guide == Part::trunk) {
-    trunk_rate_.setZero();
-  } else {
-    targets_.trunk = next;
+  Vec3 rate = towards(rotation_error(heading, targets_.trunk), speed);
+  if (command.guide == Part::trunk) {
+    rate = heading * command.axes.tail<3>() * speed;
+    const Profile::Region& region = robot_->profile().region;
+    const Mat3 next = rotation_exp(kApproach * rate) * targets_.trunk;
+    const bool too_far = (tilt(next) > region.trunk_inclination && tilt(next) > tilt(targets_.trunk)) ||
+                         std::abs(wrap_angle(yaw_of(next) - yaw_of(heading))) > region.foot_yaw;
+    if (care_ == Care::regions && too_far) rate.setZero();
   }
+  smooth(trunk_rate_, rate);
+  targets_.trunk = rotation_exp(dt_ * trunk_rate_) * targets_.trunk;
 }
 
 void VelocityTracking::move_hands(const Command& command, const Mat3& heading) {
@@ -167,17 +179,14 @@ void VelocityTracking::move_hands(const Command& command, const Mat3& heading) {
       kinematics.set(q_);
       target = kinematics.hand(side);
     }
-    smooth(hand_velocity_[side], heading * command.axes.head<3>() * profile.reach.hand / T_);
-    const Vec3 next = target->p + dt_ * hand_velocity_[side];
+    Vec3 velocity = heading * command.axes.head<3>() * profile.reach.hand / T_;
     if (care_ == Care::regions) {
-      const Vec3 shoulder = ik_.kinematics().shoulder(side);
-      const double most = profile.region.hand_distance;
-      if ((next - shoulder).norm() > most && (next - shoulder).norm() > (target->p - shoulder).norm()) {
-        hand_velocity_[side].setZero();
-        continue;
-      }
+      const Vec3 arm = target->p - ik_.kinematics().shoulder(side);
+      const double next = (arm + kApproach * velocity).norm();
+      if (next > profile.region.hand_distance && next > arm.norm()) velocity.setZero();
     }
-    target->p = next;
+    smooth(hand_velocity_[side], velocity);
+    target->p += dt_ * hand_velocity_[side];
   }
 }
 

@@ -10,8 +10,8 @@ namespace baton::bench {
 
 /// On level ground at height 0.
 ///
-/// At full stick a part goes its reach in each of the profile's default durations; velocities are smoothed, and what no
-/// stick moves goes to its place no faster either. A guided foot is up while its throttle or the stick is away from
+/// At full stick a part goes its reach in each of the profile's default durations; velocities are smoothed by the time
+/// constant of the pendulum, and what no stick moves goes to its place no faster either. A guided foot is up while its throttle or the stick is away from
 /// zero: as high as the throttle says, or by the clearance of a step. A foot that is not guided goes down where it is;
 /// two are never up. The COM is above the stance foot from when the other one is to rise until it stands, above the
 /// middle of the feet else, unless the trunk is guided; its height is kept. The trunk is upright unless guided, in the
@@ -21,7 +21,8 @@ class VelocityTracking {
   /// How much it takes care by itself.
   enum class Care {
     none,
-    regions,  ///< targets stay in the profile's regions, and a foot rises only once the COM is above the other one
+    regions,  ///< parts slow down before they leave the profile's regions, and a foot rises only once the COM is above
+              ///< the other one
   };
 
   /// @param robot must outlive the object
@@ -48,7 +49,8 @@ class VelocityTracking {
   const RobotModel* robot_;
   Care care_;
   double dt_;
-  double T_;  ///< default duration [s]
+  double T_;      ///< default duration [s]
+  double share_;  ///< of the way to a wanted velocity, by which a tick brings one nearer to it
   InverseKinematics ik_;
   IkTargets targets_;
   BySide<bool> contact_{true, true};
