@@ -54,8 +54,8 @@ ci-clang: setup-dev ## build with clang, warnings as errors
 	cmake --preset clang
 	cmake --build --preset clang
 
-bench: build ## print CPU times of planning, inverse kinematics, a tick and physics
-	$(BUILD)/baton_bench
+bench: build ## CPU times; durations against their lower bound; a baseline on the same sticks (about two minutes)
+	$(BUILD)/baton_bench $(ARGS)
 
 format: setup-dev ## format all C++ sources
 	scripts/lint --format

@@ -46,9 +46,8 @@ Verdict run_baton(const RobotModel& robot, const World& world, std::uint64_t see
   session.on_tick = [&](const TickRecord& record) {
     const MotionSample& sample = record.navigator.sample();
     const Pose& anchor = record.navigator.anchor();
-    const std::optional<Cause> cause =
-        judge.see(record.truth.q, {anchor * sample.sole.left, anchor * sample.sole.right}, anchor * sample.com,
-                  sample.contact);
+    const std::optional<Cause> cause = judge.see(
+        record.truth.q, {anchor * sample.sole.left, anchor * sample.sole.right}, anchor * sample.com, sample.contact);
     if (cause && !verdict) verdict = Bankruptcy{record.t, *cause};
   };
   for (const Stretch& stretch : random_script(seed, kSeconds)) {

@@ -39,7 +39,8 @@ inline void time(Row& row, const std::function<void()>& call) {
 }
 
 struct Options {
-  int scripts = 0;  ///< of the comparison with a baseline; 0: 1,000 for the baseline, of ours as many as fit in a minute
+  int scripts =
+      0;  ///< of the comparison with a baseline; 0: 1,000 for the baseline, of ours as many as fit in a minute
 };
 
 using Rows = std::vector<Row>;

@@ -17,7 +17,6 @@ struct Task {
 /// as at the start. The robot rests: feet somewhere in their regions (or one in the air), COM somewhere in the stand-on
 /// region, trunk upright, arms at home. Nothing says that a motion exists.
 /// @param world level
-[[nodiscard]] std::vector<Task> level_tasks(const RobotModel& robot, const World& world, int count,
-                                            std::uint64_t seed);
+[[nodiscard]] std::vector<Task> level_tasks(const RobotModel& robot, const World& world, int count, std::uint64_t seed);
 
 }  // namespace baton::bench

@@ -6,10 +6,10 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kHeld = 0.02;        ///< [s]
-constexpr double kPosition = 1e-3;    ///< of feet and COM [m]
-constexpr double kRotation = 1e-2;    ///< of the feet [rad]
-constexpr double kRounding = 1e-6;    ///< of a joint's range [rad], and speed [share]
+constexpr double kHeld = 0.02;      ///< [s]
+constexpr double kPosition = 1e-3;  ///< of feet and COM [m]
+constexpr double kRotation = 1e-2;  ///< of the feet [rad]
+constexpr double kRounding = 1e-6;  ///< of a joint's range [rad], and speed [share]
 
 }  // namespace
 
@@ -29,8 +29,7 @@ bool Judge::lasts(Cause cause, bool bad) {
   return since >= held_;
 }
 
-std::optional<Cause> Judge::see(const VecX& q, const BySide<Pose>& sole, const Vec3& com,
-                                const BySide<bool>& contact) {
+std::optional<Cause> Judge::see(const VecX& q, const BySide<Pose>& sole, const Vec3& com, const BySide<bool>& contact) {
   const std::optional<Seen> first = std::move(before_);
   before_ = std::move(last_);
   last_ = Seen{q, sole, com, contact};
@@ -63,9 +62,9 @@ std::optional<Cause> Judge::see(const VecX& q, const BySide<Pose>& sole, const V
   }
   if (ticks_++ % held_ == 0) {  // takes as long as all the rest
     constexpr double kNear = 1e-3;
-    collides_ = kinematics_.self_distance(kNear) < 0.0 ||
-                separation(sole_outline(*robot_, Side::left, soles.left),
-                           sole_outline(*robot_, Side::right, soles.right)) < 0.0;
+    collides_ =
+        kinematics_.self_distance(kNear) < 0.0 || separation(sole_outline(*robot_, Side::left, soles.left),
+                                                             sole_outline(*robot_, Side::right, soles.right)) < 0.0;
   }
 
   std::optional<Cause> cause;

@@ -1,9 +1,9 @@
 #include "bench/lower_bound.hpp"
 
+#include <ClpSimplex.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ClpSimplex.hpp>
 #include <stdexcept>
 
 namespace baton::bench {

@@ -10,9 +10,9 @@ namespace baton::bench {
 
 /// The fewest ticks with which the linear program is feasible.
 ///
-/// Unknowns: the ZMP, constant on each of at least 100 equal intervals, inside the polygon of its phase by the problem's
-/// margin, with no wish and no continuity asked for: what a planner's knots can do, this can do, but for the intervals.
-/// The COM's height does not change, so that p̈ = (g/h)(p − zmp) with h = height over the plane.
+/// Unknowns: the ZMP, constant on each of at least 100 equal intervals, inside the polygon of its phase by the
+/// problem's margin, with no wish and no continuity asked for: what a planner's knots can do, this can do, but for the
+/// intervals. The COM's height does not change, so that p̈ = (g/h)(p − zmp) with h = height over the plane.
 ///
 /// The phases are divided as suits best, in whole ticks, at least one each: the swing as short as it may be, since the
 /// stance sole lies in both double supports; where it begins is searched by branch and bound, whose bounds are the same

@@ -29,8 +29,8 @@ Rows yardstick(const Options& /*unused*/) {
 int main(int argc, char** argv) {
   using namespace baton::bench;
   const std::vector<std::pair<std::string, Rows (*)(const Options&)>> groups{
-      {"plan", bench_plan}, {"duration", bench_duration}, {"segment", bench_segment}, {"ik", bench_ik},
-      {"run", bench_run},   {"baseline", bench_baseline}};
+      {"plan", bench_plan}, {"duration", bench_duration}, {"segment", bench_segment},
+      {"ik", bench_ik},     {"run", bench_run},           {"baseline", bench_baseline}};
   CLI::App app("Thread CPU times, durations, and a baseline, as one table.");
   Options options;
   std::vector<std::string> chosen;
@@ -38,10 +38,12 @@ int main(int argc, char** argv) {
   for (const auto& [name, bench] : groups)
     names += " " + name;
   app.add_option("groups", chosen, "which of" + names + " (all)");
-  app.add_option("--scripts", options.scripts, "for `baseline`: this many for both sides (1000, and what a minute takes)");
+  app.add_option("--scripts", options.scripts,
+                 "for `baseline`: this many for both sides (1000, and what a minute takes)");
   CLI11_PARSE(app, argc, argv);
 
-  fmt::print("{:<44} {:>5} {:>10} {:>10} {:>10} {:>7} {:>8}\n", "", "unit", "median", "p99", "worst", "count", "/ yard");
+  fmt::print("{:<44} {:>5} {:>10} {:>10} {:>10} {:>7} {:>8}\n", "", "unit", "median", "p99", "worst", "count",
+             "/ yard");
   double yard = 0.0;
   const auto print = [&](const Rows& rows) {
     for (const Row& row : rows) {

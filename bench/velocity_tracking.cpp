@@ -9,7 +9,7 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kApproach = 0.2;    ///< time constant of going to a place, and of stopping before a limit [s]
+constexpr double kApproach = 0.2;   ///< time constant of going to a place, and of stopping before a limit [s]
 constexpr double kOnGround = 1e-4;  ///< [m]
 constexpr double kClear = 5e-3;     ///< a careful foot goes sideways from this height on [m]
 

@@ -11,11 +11,11 @@ namespace baton::bench {
 /// On level ground at height 0.
 ///
 /// At full stick a part goes its reach in each of the profile's default durations; velocities are smoothed by the time
-/// constant of the pendulum, and what no stick moves goes to its place no faster either. A guided foot is up while its throttle or the stick is away from
-/// zero: as high as the throttle says, or by the clearance of a step. A foot that is not guided goes down where it is;
-/// two are never up. The COM is above the stance foot from when the other one is to rise until it stands, above the
-/// middle of the feet else, unless the trunk is guided; its height is kept. The trunk is upright unless guided, in the
-/// feet's mean heading. Hands that are not guided keep the angles of their arms.
+/// constant of the pendulum, and what no stick moves goes to its place no faster either. A guided foot is up while its
+/// throttle or the stick is away from zero: as high as the throttle says, or by the clearance of a step. A foot that is
+/// not guided goes down where it is; two are never up. The COM is above the stance foot from when the other one is to
+/// rise until it stands, above the middle of the feet else, unless the trunk is guided; its height is kept. The trunk
+/// is upright unless guided, in the feet's mean heading. Hands that are not guided keep the angles of their arms.
 class VelocityTracking {
  public:
   /// How much it takes care by itself.
@@ -54,8 +54,8 @@ class VelocityTracking {
   InverseKinematics ik_;
   IkTargets targets_;
   BySide<bool> contact_{true, true};
-  double height_;                            ///< of the COM over the ground [m]
-  std::optional<Side> rises_;                ///< a foot that is up or about to be
+  double height_;              ///< of the COM over the ground [m]
+  std::optional<Side> rises_;  ///< a foot that is up or about to be
   BySide<Vec3> foot_velocity_{Vec3::Zero(), Vec3::Zero()}, hand_velocity_{Vec3::Zero(), Vec3::Zero()};
   Vec3 com_velocity_ = Vec3::Zero();
   BySide<double> yaw_rate_{0.0, 0.0};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 namespace baton {
 namespace {
@@ -11,11 +12,12 @@ constexpr std::size_t kMostKnots = 16;
 
 /// How much of its supports a timing needs, seen from one side at a time: along a horizontal direction each knot of the
 /// ZMP has an interval, and the two boundary rows bound the ends of what the knots can do together (a zonotope in the
-/// plane). The load is the factor by which all intervals, about their middles, would have to grow: beyond 1 no knots will
-/// do. Exact for a COM at constant height, but for x and y bounding each other.
+/// plane). The load is the factor by which all intervals, about their middles, would have to grow: beyond 1 no knots
+/// will do. Exact for a COM at constant height, but for x and y bounding each other.
 class Load {
  public:
   explicit Load(const ComProblem& problem) : problem_(&problem) {
+    if (problem.knots.size() > kMostKnots) throw std::invalid_argument("shortest_timing: too many VRP knots");
     const double height = problem.p0.z() - problem.plane;
     omega_ = std::sqrt(kGravity / std::max(height, 1e-3));
     places_.resize(problem.knots.size());
@@ -28,7 +30,7 @@ class Load {
     }
   }
 
-  /// Of the directions, the one that was worst last time is looked at first; ends where the load exceeds `enough`.
+  /// The load; where it exceeds `enough`, no less than that.
   [[nodiscard]] double of(const Timing& timing, double enough) {
     const std::size_t n = places_.size();
     const double T = timing.duration();
@@ -70,7 +72,7 @@ class Load {
           reach += std::abs(c[j] * d[k] - d[j] * c[k]) * side.half[k];
         worst = std::max(worst, std::abs(c[j] * second - d[j] * first) / reach);
       }
-      if (worst > enough) std::swap(sides_[0], sides_[i]);
+      if (worst > enough) std::swap(sides_[0], sides_[i]);  // to be looked at first next time
     }
     return worst;
   }
@@ -87,8 +89,12 @@ class Load {
     for (const Side& side : sides_) {
       if (std::abs(side.direction.dot(direction)) > kSame) return;
     }
-    Side side{direction, direction.dot(problem_->p0.head<2>()), direction.dot(problem_->dp0.head<2>()) / omega_,
-              direction.dot(problem_->goal.head<2>()), {}, {}};
+    Side side{direction,
+              direction.dot(problem_->p0.head<2>()),
+              direction.dot(problem_->dp0.head<2>()) / omega_,
+              direction.dot(problem_->goal.head<2>()),
+              {},
+              {}};
     for (std::size_t k = 0; k < places_.size(); ++k) {
       double lo = -1e9;
       double hi = 1e9;
@@ -116,6 +122,7 @@ class Load {
   std::vector<Side> sides_;
 };
 
+/// Durations and divisions of one problem.
 class Search {
  public:
   Search(BoundedCom& com, const ComProblem& problem, std::optional<std::size_t> swing, int least_swing, double period)

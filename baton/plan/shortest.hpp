@@ -16,6 +16,7 @@ struct Shortest {
 /// @param least_swing shortest swing [ticks]
 /// @param longest no duration beyond is tried [ticks]
 /// @returns none: not even `longest` will do
+/// @throws std::invalid_argument more than 16 knots
 [[nodiscard]] std::optional<Shortest> shortest_timing(BoundedCom& com, const ComProblem& problem,
                                                       std::optional<std::size_t> swing, int least_swing, int longest,
                                                       double period);
