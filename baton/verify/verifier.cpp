@@ -164,8 +164,8 @@ void Verifier::check_soles(const MotionSample& sample, const Pose& anchor, doubl
 }
 
 void Verifier::check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const {
-  // The soles that stand at the start stand already; what lands must find ground. Where a foot stood it may stand again,
-  // though a millimetre of slip has taken it into the margin.
+  // The soles that stand at the start stand already; what lands must find ground. Where a foot stood it may stand
+  // again, though a millimetre of slip has taken it into the margin.
   const Profile& profile = robot_->profile();
   const double edge = motion.retraces ? 0.0 : profile.margin.edge;
   std::size_t tick = 0;
@@ -174,8 +174,7 @@ void Verifier::check_footholds(const Motion& motion, const Pose& anchor, Ledger&
     for (const Side side : kSides) {
       if (!motion.phases[i].contact[side] || motion.phases[i - 1].contact[side]) continue;
       const Pose sole = anchor * motion.samples[tick].sole[side];
-      const Foothold foothold =
-          world_->foothold(sole_outline(*robot_, side, sole), profile.ground, edge);
+      const Foothold foothold = world_->foothold(sole_outline(*robot_, side, sole), profile.ground, edge);
       const double off = foothold.flat ? std::abs(sole.p.z() - foothold.height)
                                        : std::max(foothold.deviation, 2.0 * profile.ground.flatness);
       ledger.enter(Reason::ground, foot(side), off, profile.ground.flatness, static_cast<double>(tick) * motion.period,

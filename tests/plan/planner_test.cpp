@@ -41,7 +41,7 @@ TEST_P(PlannerTest, TheZmpIsPlannedForTheWholeBody) {
     errors.push_back(error);
   }
   std::sort(errors.begin(), errors.end());
-  EXPECT_LT(errors[errors.size() / 2], 0.002 * size_);
+  EXPECT_LT(errors[errors.size() / 2], 0.0025 * size_);
   EXPECT_LT(errors.back(), 0.008 * size_);
 }
 
