@@ -2,7 +2,10 @@
 
 namespace baton {
 
-Stabiliser::Stabiliser(const RobotModel& robot) : robot_(&robot), kinematics_(robot) {}
+Stabiliser::Stabiliser(const RobotModel& robot) : robot_(&robot), kinematics_(robot) {
+  const VecX zero = VecX::Zero(robot.nv() - 6);
+  target_ = {zero, zero, zero, zero, {}};
+}
 
 const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSample& next, const State& state) {
   const Profile& profile = robot_->profile();
@@ -13,9 +16,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   // p_cmd = p + (1 + k/ω)(ξ_m − ξ_ref), kept inside the support; the wrench is turned so that it meets it.
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
   const Vec2 wish = next.zmp + (1.0 + profile.stabiliser.k_dcm / omega) * correction_.dcm_error.head<2>();
-  const ConvexPolygon support =
-      support_polygon(*robot_, next.sole, next.contact, next.com, next.zmp_height).inset(profile.margin.zmp_feedback);
-  correction_.zmp = support.nearest(wish);
+  correction_.zmp = next.zmp_region->nearest(wish);
   const Vec2 shift = correction_.zmp - next.zmp;
   total.moment += Vec3(shift.x(), shift.y(), 0).cross(Vec3(0, 0, total.force.z()));
 

@@ -23,10 +23,10 @@ const State& Estimator::update(const Measurement& measurement, const Pose& ancho
   kinematics_.set(state_.q);
   state_.com = kinematics_.com();
   kinematics_.com_jacobian(jacobian_);
-  state_.dcom = jacobian_ * dq_;
+  state_.dcom.noalias() = jacobian_ * dq_;
   state_.trunk = kinematics_.trunk().R;
   kinematics_.rotation_jacobian(robot_->trunk_body(), jacobian_);
-  state_.trunk_rate = jacobian_ * dq_;
+  state_.trunk_rate.noalias() = jacobian_ * dq_;
   for (const Side side : kSides)
     state_.sole[side] = kinematics_.sole(side);
   return state_;

@@ -7,12 +7,18 @@
 
 namespace baton {
 
-/// The two ways home, in place of the stick.
+/// What a button asks for in place of the stick.
 enum class Recall : std::uint8_t {
   none,
   retrace,  ///< what was done last, backwards
   home,     ///< steps to the stance that the robot began in
+  stop,     ///< to rest, as quickly as that can be verified
 };
+
+/// Of several buttons held, stop wins, then retrace.
+[[nodiscard]] constexpr Recall recall_of(bool stop, bool retrace, bool home) {
+  return stop ? Recall::stop : retrace ? Recall::retrace : home ? Recall::home : Recall::none;
+}
 
 /// Axes are in −1…1, positive by the right hand in the heading frame: x forward, y left, z up, roll, pitch, yaw;
 /// `lift` is in 0…1, for each foot. Dead zone and curve are behind us: devices apply them.

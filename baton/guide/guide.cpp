@@ -9,18 +9,15 @@
 namespace baton {
 namespace {
 
-constexpr double kSamePlace = 1e-3;    ///< [m] differences below do not decide
-constexpr double kSameYaw = 0.01;      ///< [rad]
-constexpr double kSearch = 0.01;       ///< spacing of the places that a foot is tried at [m]
-constexpr double kFineSearch = 0.002;  ///< the same straight ahead, where edges are [m]
+constexpr double kSamePlace = 1e-3;                    ///< [m] differences below do not decide
+constexpr double kSameYaw = 0.01;                      ///< [rad]
+constexpr double kSearch = 0.01;                       ///< spacing of the places that a foot is tried at [m]
+constexpr double kFineSearch = 0.002;                  ///< the same straight ahead, where edges are [m]
+constexpr std::array<double, 3> kHalt{1.0, 1.5, 0.5};  ///< ways that a COM is given to halt, in v/ω
 
 /// Attitude with the yaw taken out: how the trunk leans.
 Mat3 inclination(const Mat3& R) {
   return rotation_z(-yaw_of(R)) * R;
-}
-
-double tilt(const Mat3& R) {
-  return std::acos(std::clamp(R(2, 2), -1.0, 1.0));
 }
 
 /// How far outside its range a value lies; negative inside.
@@ -153,6 +150,7 @@ GuideResult Guide::goals(const GuideContext& context, const Command& raw) const 
     const bool guided = command.guide == foot(side) && command.recall == Recall::none;
     if (!context.from.contact[side] && !guided) return landings(context, side);
   }
+  if (context.step && is_foot(command.guide) && side_of(command.guide) != context.step->side) return std::monostate{};
   if (command.recall == Recall::home) return go_home(context);
   if (is_foot(command.guide)) return guide_foot(context, command);
   return command.guide == Part::trunk ? guide_trunk(context, command) : guide_hand(context, command);
@@ -188,7 +186,7 @@ GuideResult Guide::go_home(const GuideContext& context) const {
   Goal upright = stay(context, Part::trunk);
   arms_home(upright);
   const auto stand_on = [&](Goal goal) {
-    goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R)));
+    goal.trunk = rotation_z(mean_yaw(goal.sole));
     goal.com = 0.5 * (goal.sole.left.p + goal.sole.right.p) + Vec3(0, 0, profile.stance.com_height);
     return goal;
   };
@@ -232,6 +230,17 @@ GuideResult Guide::go_home(const GuideContext& context) const {
   return goals;
 }
 
+Goal Guide::landing(const GuideContext& context, Side side, const Pose& sole) const {
+  Goal goal = stay(context, foot(side));
+  goal.kind = SegmentKind::lower;
+  goal.swing = side;
+  goal.contact[side] = true;
+  goal.sole[side] = sole;
+  goal.com = com_above(context, goal);
+  goal.trunk = rotation_z(mean_yaw(goal.sole)) * inclination(goal.trunk);
+  return goal;
+}
+
 GuideResult Guide::landings(const GuideContext& context, Side side) const {
   const Profile& profile = robot_->profile();
   const Range& region = profile.region.foot_x;
@@ -247,19 +256,33 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   for (const double down : {0.0, profile.reach.trunk}) {
     for (const Placement* placement : {&here, &back, &near}) {
       if (placement->against) continue;
-      Goal goal = stay(context, foot(side));
-      goal.kind = SegmentKind::lower;
-      goal.swing = side;
-      goal.contact[side] = true;
-      goal.sole[side] = placement->sole;
-      goal.com = com_above(context, goal);
+      Goal goal = landing(context, side, placement->sole);
       const double height = context.from.com.z() - context.from.support_height();
       goal.com.z() -= std::min(down, std::max(0.0, height - profile.region.com_height.lo));
-      goal.trunk = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R))) * inclination(goal.trunk);
       goals.push_back(std::move(goal));
     }
   }
   if (goals.empty()) return *here.against;
+  return goals;
+}
+
+GuideResult Guide::stops(const GuideContext& context) const {
+  const Posture& from = context.from;
+  if (context.step) {
+    GuideResult landed = landings(context, context.step->side);
+    const auto* goals = std::get_if<std::vector<Goal>>(&landed);
+    if (goals == nullptr) return landed;
+    return std::vector<Goal>{landing(context, context.step->side, context.step->to), goals->front()};
+  }
+  const ConvexPolygon support =
+      support_polygon(*robot_, from.sole, from.contact, from.com, support_plane(from.sole, from.contact))
+          .inset(robot_->profile().margin.stand_on);
+  std::vector<Goal> goals;
+  for (const double way : kHalt) {
+    Goal goal = stay(context, Part::trunk);
+    goal.com.head<2>() = support.nearest((from.com + way / robot_->omega() * from.dcom).head<2>());
+    goals.push_back(std::move(goal));
+  }
   return goals;
 }
 
@@ -294,7 +317,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
     goal.kind = up ? SegmentKind::lower : SegmentKind::step;
   }
   goal.com = com_above(context, goal);
-  const Mat3 yawed = rotation_z(mean_yaw(yaw_of(goal.sole.left.R), yaw_of(goal.sole.right.R)));
+  const Mat3 yawed = rotation_z(mean_yaw(goal.sole));
   goal.trunk = yawed * inclination(from.trunk);
   // If the legs cannot do it from so low or so inclined a trunk: at the nominal height, or upright too.
   Goal higher = goal;
@@ -315,8 +338,8 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   const double asked = goal.com.z() - support;
   goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
   goal.trunk = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
-  if (tilt(goal.trunk) > std::max(profile.region.trunk_inclination, tilt(from.trunk) - 1e-9)) {
-    const Refusal against{Reason::trunk_inclination, Part::trunk, tilt(goal.trunk), profile.region.trunk_inclination,
+  if (tilt_of(goal.trunk) > std::max(profile.region.trunk_inclination, tilt_of(from.trunk) - 1e-9)) {
+    const Refusal against{Reason::trunk_inclination, Part::trunk, tilt_of(goal.trunk), profile.region.trunk_inclination,
                           ""};
     if ((goal.com - from.com).norm() < 1e-6) return against;
     goal.trunk = from.trunk;  // it leans no farther, but it goes on
@@ -350,6 +373,7 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
         support + std::clamp(moved.com.z() - support, profile.region.com_height.lo, profile.region.com_height.hi);
     return moved;
   };
+  if (context.step) return std::vector<Goal>{stepping(context, goal, context.step->side, context.step->to)};
   const Vec3 stretch = hand.p - from.shoulder[side];
   const double length = stretch.norm();
   GuideResult result = std::vector<Goal>{goal};
@@ -376,18 +400,33 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
   const bool stands = support.margin(target) >= profile.margin.stand_on;
   std::vector<Goal> goals;
-  if (stands && !turn) goals.push_back(goal);
+  const bool stays = stands && !turn && !context.step;
+  const bool walks = context.goes_on && goal.guided == Part::trunk;
   // A COM that does not move sideways, and need not turn, is not helped by a step.
-  if (stands && !turn && (target - from.com.head<2>()).norm() < kSamePlace) return goals;
-
+  if (stays && (target - from.com.head<2>()).norm() < kSamePlace) return std::vector<Goal>{goal};
+  if (stays && !walks) goals.push_back(goal);
   const double stride = profile.region.stride;
   std::optional<Refusal> against = add_steps(context, goal, turn, {-stride, stride}, goals);
   if (goals.empty()) against = add_steps(context, goal, turn, profile.region.foot_x, goals);
+  if (context.step) goals.push_back(stepping(context, goal, context.step->side, context.step->to));
+  if (stays && walks) goals.push_back(goal);
   // If no foot can follow, the trunk can still turn, as far as feet may be turned at all.
-  if (stands && turn && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
+  const bool turns_alone = stands && turn && !context.step;
+  if (turns_alone && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
   if (!goals.empty()) return goals;
   return Refusal{Reason::no_progress, against->part, against->value, against->limit,
                  std::string(to_string(against->reason))};
+}
+
+Goal Guide::stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const {
+  Goal stepping = goal;
+  stepping.kind = SegmentKind::step;
+  stepping.swing = side;
+  stepping.sole[side] = sole;
+  // Above the middle of the feet, at the height above the supports that was asked for.
+  const double height = goal.com.z() - context.from.support_height();
+  stepping.com = 0.5 * (stepping.sole.left.p + stepping.sole.right.p) + Vec3(0, 0, height);
+  return stepping;
 }
 
 std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
@@ -402,26 +441,17 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
     first = distance(Side::left) > distance(Side::right) ? Side::left : Side::right;
   }
   const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
-  const auto step = [&](Side side, const Pose& sole) {
-    Goal stepping = goal;
-    stepping.kind = SegmentKind::step;
-    stepping.swing = side;
-    stepping.sole[side] = sole;
-    // Above the middle of the feet, at the height above the supports that was asked for.
-    const double height = goal.com.z() - from.support_height();
-    stepping.com = 0.5 * (stepping.sole.left.p + stepping.sole.right.p) + Vec3(0, 0, height);
-    goals.push_back(std::move(stepping));
-  };
   std::optional<Refusal> against;
-  for (const Side side : {first, other(first)}) {
+  const std::vector<Side> feet = context.step ? std::vector{context.step->side} : std::vector{first, other(first)};
+  for (const Side side : feet) {
     const Placement placement = place(context, side, wish(side), yaw, 0.0, forward);
-    if (!placement.against) step(side, placement.sole);
+    if (!placement.against) goals.push_back(stepping(context, goal, side, placement.sole));
     if (placement.against && !against) against = placement.against;
   }
   // Then, of both feet, the place whose middle is nearest to the goal, if that is progress.
   const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
   std::vector<std::pair<double, std::pair<Side, Pose>>> nearest;
-  for (const Side side : {first, other(first)}) {
+  for (const Side side : feet) {
     const Placement candidate = nearest_place(context, side, wish(side), yaw, forward);
     if (candidate.against) continue;
     const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
@@ -433,7 +463,7 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   }
   if (nearest.size() == 2 && nearest[1].first < nearest[0].first - kSamePlace) std::swap(nearest[0], nearest[1]);
   for (const auto& [left, placed] : nearest)
-    step(placed.first, placed.second);
+    goals.push_back(stepping(context, goal, placed.first, placed.second));
   return against;
 }
 

@@ -13,10 +13,20 @@ namespace baton {
 
 /// What the rules need to know besides the command.
 struct GuideContext {
-  Posture from;                  ///< planned posture at the take-over, at rest, in the planning frame
+  /// Planned posture that goals are relative to, at rest, in the planning frame. With a step under way: the one that
+  /// it began in, both feet standing.
+  Posture from;
   Pose anchor;                   ///< planning frame in the world: position and yaw
   Side last_step = Side::right;  ///< the foot that stepped last
   BySide<Pose> foothold;         ///< where each foot stood last, in the planning frame
+
+  /// A step under way.
+  struct Step {
+    Side side = Side::left;  ///< the foot that is in the air: no other can step
+    Pose to;                 ///< where it lands if nothing else is asked for
+  };
+  std::optional<Step> step{};
+  bool goes_on = false;  ///< the stick is held: better a step now than where there is no other way
 };
 
 /// Nothing is asked for; goals, the one that the rules prefer first and then what else would serve the command; or
@@ -44,6 +54,10 @@ class Guide {
   /// COM as high as it is, or lower.
   [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;
 
+  /// Ways to come to rest from a posture that moves, `context.from`: with both feet where they stand, the COM where it
+  /// can be halted; with a foot in the air, by putting it down, first where it was to land.
+  [[nodiscard]] GuideResult stops(const GuideContext& context) const;
+
  private:
   struct Placement;  // a foot somewhere, and what speaks against it
 
@@ -57,6 +71,8 @@ class Guide {
 
   /// A goal in which nothing moves.
   [[nodiscard]] Goal stay(const GuideContext& context, Part guided) const;
+  /// A goal in which a foot is put down there, and the COM goes above the middle.
+  [[nodiscard]] Goal landing(const GuideContext& context, Side side, const Pose& sole) const;
   void arms_home(Goal& goal) const;
   /// The foot at a place on the ground, or in the air `lift` above it.
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
@@ -68,6 +84,8 @@ class Guide {
   /// the preferred one.
   std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
                                    std::vector<Goal>& goals) const;
+  /// `goal` with a step to `sole`.
+  [[nodiscard]] Goal stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const;
   /// COM above the supporting soles' middle, at the height that it has above its supports now.
   [[nodiscard]] Vec3 com_above(const GuideContext& context, const Goal& goal) const;
 

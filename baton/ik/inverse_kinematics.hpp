@@ -51,7 +51,7 @@ class InverseKinematics {
     double hand_damping = 1e-4;   ///< r of the hands [-]
     double rest_gain = 0.1;       ///< share of the way home that joints of neither leg nor arm go each step [-]
     double largest_step = 0.2;    ///< errors are shortened to this [m], [rad]
-    double tolerance = 1e-6;      ///< of feet and COM at which the iteration ends [m], [rad]
+    double tolerance = 1e-7;      ///< of feet and COM at which the iteration ends [m], [rad]
   };
 
   /// The model must outlive the object.

@@ -15,6 +15,7 @@ Posture posture_of(const RobotModel& robot, const VecX& q) {
   Posture posture;
   posture.q = q;
   posture.dq = VecX::Zero(robot.nv());
+  posture.ddq = VecX::Zero(robot.nv());
   posture.com = kinematics.com();
   posture.trunk = kinematics.trunk().R;
   for (const Side side : kSides) {
@@ -85,6 +86,9 @@ MotionSample resting(const RobotModel& robot, const Posture& posture) {
   sample.contact = posture.contact;
   sample.zmp_height = support_plane(posture.sole, posture.contact);
   sample.zmp = ground_wrench(kinematics, sample.force).zmp(sample.zmp_height);
+  sample.zmp_region = std::make_shared<const ConvexPolygon>(
+      support_polygon(robot, sample.sole, sample.contact, sample.com, sample.zmp_height)
+          .inset(robot.profile().margin.zmp_feedback));
   return sample;
 }
 

@@ -1,5 +1,6 @@
 #include "baton/math/pose.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -35,6 +36,10 @@ Mat3 rotation_z(double yaw) {
 
 double yaw_of(const Mat3& R) {
   return std::atan2(R(1, 0), R(0, 0));
+}
+
+double tilt_of(const Mat3& R) {
+  return std::acos(std::clamp(R(2, 2), -1.0, 1.0));
 }
 
 Vec3 rpy_of(const Mat3& R) {

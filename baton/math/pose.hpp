@@ -40,6 +40,9 @@ struct Pose {
 /// Heading of the frame's x axis about z [rad], −π…π.
 [[nodiscard]] double yaw_of(const Mat3& R);
 
+/// Angle of the frame's z axis from the vertical [rad].
+[[nodiscard]] double tilt_of(const Mat3& R);
+
 /// Roll, pitch, yaw [rad] with R = Rz(yaw) Ry(pitch) Rx(roll).
 [[nodiscard]] Vec3 rpy_of(const Mat3& R);
 

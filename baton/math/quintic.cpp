@@ -36,4 +36,11 @@ Jet smooth_step(double t, double duration) {
           60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (duration * duration)};
 }
 
+Carry carry(double t, double duration) {
+  if (duration <= 0.0 || t >= duration) return {};
+  const double s = std::max(t / duration, 0.0);
+  const double left = (1.0 - s) * (1.0 - s) * (1.0 - s);
+  return {duration * s * left * (1.0 + 3.0 * s), 0.5 * duration * duration * s * s * left};
+}
+
 }  // namespace baton

@@ -28,4 +28,12 @@ class Quintic {
 /// Rest-to-rest quintic blend of s = t/duration in 0…1: 10 s³ − 15 s⁴ + 6 s⁵, and its time derivatives.
 [[nodiscard]] Jet smooth_step(double t, double duration);
 
+/// How a state of motion dies away: with a blend by `smooth_step`, a path that begins at speed v and acceleration a
+/// gets `velocity` v + `acceleration` a added. Both quintics begin and end at zero, and end at rest.
+struct Carry {
+  double velocity = 0.0;      ///< [s]
+  double acceleration = 0.0;  ///< [s²]
+};
+[[nodiscard]] Carry carry(double t, double duration);
+
 }  // namespace baton

@@ -1,6 +1,7 @@
 #include "baton/model/contact.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace baton {
@@ -40,6 +41,15 @@ ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole,
   return ConvexPolygon::hull(points);
 }
 
+bool on_one_plane(const BySide<Pose>& sole, const BySide<bool>& contact, double height) {
+  constexpr double kSame = 1e-9;    // [m]
+  constexpr double kLevel = 1e-12;  // of 1 − cos of the tilt
+  return std::all_of(kSides.begin(), kSides.end(), [&](Side side) {
+    const Pose& pose = sole[side];
+    return !contact[side] || (std::abs(pose.p.z() - height) < kSame && 1.0 - pose.R(2, 2) < kLevel);
+  });
+}
+
 double support_plane(const BySide<Pose>& sole, const BySide<bool>& contact) {
   if (contact.left && contact.right) return std::min(sole.left.p.z(), sole.right.p.z());
   return contact.left ? sole.left.p.z() : sole.right.p.z();
@@ -55,7 +65,7 @@ BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, c
     Vec2 half = Vec2::Zero();
     for (const Vec2& vertex : robot.sole(Side::left).vertices())
       half = half.cwiseMax(vertex.cwiseAbs());
-    const Mat3 to_feet = rotation_z(-mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R)));
+    const Mat3 to_feet = rotation_z(-mean_yaw(sole));
     const auto scaled = [&](const Vec3& x) -> Vec2 { return (to_feet * x).head<2>().cwiseQuotient(half); };
     const Vec2 zmp = total.zmp(height);
     const Vec2 line = scaled(sole.right.p - sole.left.p);

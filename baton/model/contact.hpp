@@ -28,6 +28,9 @@ struct Wrench {
 [[nodiscard]] ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole,
                                             const BySide<bool>& contact, const Vec3& com, double height);
 
+/// Whether the standing soles lie on the plane z = height: then where the COM is does not matter to their hull.
+[[nodiscard]] bool on_one_plane(const BySide<Pose>& sole, const BySide<bool>& contact, double height);
+
 /// Height of the lower standing sole [m].
 [[nodiscard]] double support_plane(const BySide<Pose>& sole, const BySide<bool>& contact);
 

@@ -36,6 +36,11 @@ void install_mujoco_handlers() {
   });
 }
 
+std::unique_lock<std::recursive_mutex> lock_compiler() {
+  static std::recursive_mutex compiler;
+  return std::unique_lock(compiler);
+}
+
 int mujoco_warnings() {
   return warnings;
 }
@@ -46,6 +51,7 @@ SpecPtr parse_model(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, ignored)) {
     throw InputError(fmt::format("model {}: no such file", file.string()));
   }
+  const auto lock = lock_compiler();
   std::array<char, 1000> message{};
   SpecPtr spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
   if (!spec) throw InputError(fmt::format("model {}: {}", file.string(), one_line(message.data())));
@@ -53,6 +59,7 @@ SpecPtr parse_model(const std::filesystem::path& file) {
 }
 
 ModelPtr compile_model(mjSpec& spec, const std::string& what) {
+  const auto lock = lock_compiler();
   ModelPtr model(mj_compile(&spec, nullptr));
   if (!model) throw InputError(fmt::format("{}: {}", what, one_line(mjs_getError(&spec))));
   return model;
@@ -60,6 +67,7 @@ ModelPtr compile_model(mjSpec& spec, const std::string& what) {
 
 ModelPtr compile_text(const std::string& mjcf, const std::string& what) {
   install_mujoco_handlers();
+  const auto lock = lock_compiler();
   std::array<char, 1000> message{};
   const SpecPtr spec(mj_parseXMLString(mjcf.c_str(), nullptr, message.data(), message.size()));
   if (!spec) throw InputError(fmt::format("{}: {}", what, one_line(message.data())));

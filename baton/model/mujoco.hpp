@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 
 namespace baton {
@@ -21,6 +22,10 @@ using SpecPtr = std::unique_ptr<mjSpec, MujocoDeleter>;
 /// Makes MuJoCo's fatal errors throw std::runtime_error instead of ending the process, and its warnings go to
 /// `mujoco_warnings()` instead of a log file. Called by everything below; harmless to call again.
 void install_mujoco_handlers();
+
+/// MuJoCo's parser and compiler are not made for several threads: whoever works on a spec holds this. Everything below
+/// does, and may be called by who holds it.
+[[nodiscard]] std::unique_lock<std::recursive_mutex> lock_compiler();
 
 /// Number of warnings that MuJoCo has given on this thread since the start (a warning ends a run as a failure).
 [[nodiscard]] int mujoco_warnings();

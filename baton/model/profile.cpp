@@ -186,7 +186,7 @@ Profile Profile::load(const std::filesystem::path& file) {
                 read.positive("duration.max", 60)};
   if (p.duration.max < p.duration.first) read.complain("duration.max", "at least duration.default");
   p.phases = {shares<3>(read, "phases.step"), shares<2>(read, "phases.lift"), shares<2>(read, "phases.lower"),
-              read.numbers<4>("phases.weights", 1e-6, 1e6)};
+              shares<3>(read, "phases.flow"), read.numbers<4>("phases.weights", 1e-6, 1e6)};
   p.margin.zmp_plan = read.number("margin.zmp_plan", 0, 1);
   p.margin.zmp_verify = read.number("margin.zmp_verify", 0, 1);
   p.margin.zmp_feedback = read.number("margin.zmp_feedback", 0, 1);

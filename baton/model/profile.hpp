@@ -82,6 +82,7 @@ struct Profile {
     std::array<double, 3> step{};   ///< double, single, double support
     std::array<double, 2> lift{};   ///< double, single
     std::array<double, 2> lower{};  ///< single, double
+    std::array<double, 3> flow{};   ///< of a step that begins on the way: double, single, double
     std::array<double, 4> weights{};
   } phases;
 

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "baton/math/pose.hpp"
+
 namespace baton {
 
 enum class Side { left, right };
@@ -26,5 +28,10 @@ struct BySide {
   [[nodiscard]] constexpr T& operator[](Side side) { return side == Side::left ? left : right; }
   [[nodiscard]] constexpr const T& operator[](Side side) const { return side == Side::left ? left : right; }
 };
+
+/// Mean yaw of two soles: the heading frame's [rad].
+[[nodiscard]] inline double mean_yaw(const BySide<Pose>& sole) {
+  return mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R));
+}
 
 }  // namespace baton

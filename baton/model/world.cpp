@@ -162,6 +162,7 @@ Foothold World::foothold(const ConvexPolygon& outline, const Profile::Ground& fl
 }
 
 std::string World::compose(const RobotModel& robot, double timestep) const {
+  const auto lock = lock_compiler();
   const SpecPtr world = parse_model(file_);
   const SpecPtr body = robot.spec();
   // The robot's global default becomes a class of its own, which needs a name.

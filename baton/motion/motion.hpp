@@ -1,6 +1,7 @@
 /// A motion: contact phases with a centre-of-mass path, and the joint paths that were verified.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,8 @@ struct MotionSample {
   Vec3 dcom = Vec3::Zero();
   Vec2 zmp = Vec2::Zero();  ///< of the whole body, on the plane of the lower supporting sole [m]
   double zmp_height = 0.0;  ///< that plane's height [m]
+  /// Where the ZMP may be commanded, on that plane: the support polygon less the margin for feedback. Ticks share it.
+  std::shared_ptr<const ConvexPolygon> zmp_region;
   BySide<Pose> sole;
   BySide<bool> contact{true, true};
 };
@@ -45,6 +48,8 @@ struct MotionSample {
 struct Motion {
   double period = 0.0;  ///< of a tick [s]
   Goal goal;
+  VecX dq0;                                 ///< velocity with which the first sample is reached (nv)
+  BySide<bool> contact_before{true, true};  ///< which soles stood until then
   std::vector<ContactPhase> phases;
   ComPath com;
   std::vector<MotionSample> samples;  ///< one a tick, both ends included
@@ -53,6 +58,9 @@ struct Motion {
   Certificate certificate;
   int durations_tried = 0;  ///< by the duration correction
   bool retraces = false;    ///< an executed motion, backwards
+  Pose lift_off;            ///< where the swing foot left the ground, or was in the air at rest
+  double apex_t = 0.0;      ///< when the swing foot is highest [s]
+  double apex = 0.0;        ///< how high that is [m]
   /// What spoke against the longest of the shorter durations that were tried.
   std::optional<Refusal> not_shorter;
   /// What spoke against the goal that the command asked for, if this is only a part of the way there.

@@ -1,6 +1,7 @@
 /// Where the robot is: the state that a motion begins or ends with.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "baton/math/pose.hpp"
@@ -36,20 +37,40 @@ inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, P
   return side == Side::left ? Part::left_hand : Part::right_hand;
 }
 
+/// A foot on its way through the air, to land or to stay up.
+struct Flight {
+  Side side = Side::left;
+  Pose from;          ///< where it left the ground
+  double left = 0.0;  ///< time until it arrives [s]
+  double rise = 0.0;  ///< time until it is highest; not positive: it has been [s]
+  double apex = 0.0;  ///< how high that is [m]
+};
+
+/// A foot that is about to leave the ground: the weight is on its way to the other.
+struct LiftOff {
+  Side side = Side::left;
+  double left = 0.0;  ///< time until then [s]
+};
+
 /// Planned state of the whole robot, in the planning frame.
 struct Posture {
-  VecX q;                    ///< configuration (nq)
-  VecX dq;                   ///< its velocity (nv)
-  Vec3 com = Vec3::Zero();   ///< [m]
-  Vec3 dcom = Vec3::Zero();  ///< [m/s]
+  VecX q;                     ///< configuration (nq)
+  VecX dq;                    ///< its velocity (nv)
+  VecX ddq;                   ///< its acceleration (nv)
+  Vec3 com = Vec3::Zero();    ///< [m]
+  Vec3 dcom = Vec3::Zero();   ///< [m/s]
+  Vec3 ddcom = Vec3::Zero();  ///< [m/s²]
   Mat3 trunk = Mat3::Identity();
   BySide<Pose> sole;
   BySide<Pose> hand;
   BySide<Vec3> shoulder{Vec3::Zero(), Vec3::Zero()};  ///< [m]
   BySide<bool> contact{true, true};                   ///< which soles stand
+  BySide<bool> contact_before{true, true};            ///< which stood a moment before
+  std::optional<LiftOff> lift_off;                    ///< of a foot that still stands
+  std::optional<Flight> flight;                       ///< of the foot that does not stand
 
   /// Yaw of the heading frame: the mean of both soles' yaw [rad].
-  [[nodiscard]] double heading() const { return mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R)); }
+  [[nodiscard]] double heading() const { return mean_yaw(sole); }
 
   /// Mean height of the supporting soles [m].
   [[nodiscard]] double support_height() const {

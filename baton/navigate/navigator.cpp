@@ -2,18 +2,52 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "baton/ik/moving.hpp"
 #include "baton/ik/stand.hpp"
 
 namespace baton {
 namespace {
 
-constexpr double kPatience = 0.05;     ///< from a refusal at rest to the next request [s]
-constexpr int kShrinkings = 3;         ///< shares of a goal that are tried
-constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the direction can be had
-constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
-constexpr double kSlip = 0.2;          ///< jump of the planning frame that is a slip, of the reach of a foot
-constexpr std::size_t kHistory = 200;  ///< motions that are kept to be retraced
+constexpr double kPatience = 0.05;        ///< from a refusal at rest to the next request [s]
+constexpr int kShrinkings = 3;            ///< shares of a goal that are tried
+constexpr std::size_t kAxesTried = 3;     ///< one by one, when nothing along the direction can be had
+constexpr double kWorth = 0.05;           ///< least part of the guided part's reach that a shrunk motion makes
+constexpr double kSlip = 0.2;             ///< jump of the planning frame that is a slip, of the reach of a foot
+constexpr std::ptrdiff_t kHistory = 200;  ///< motions that are kept to be retraced
+constexpr long kHistoryTicks = 100000;    ///< of all of them together
+constexpr int kMostLate = 5;              ///< doublings of the lookahead, at rest, when answers come too late
+constexpr double kReplacing = 0.1;        ///< between two replacements of a motion on its way [s]
+constexpr double kLeastFlight = 0.04;     ///< a foot that lands sooner is not sent elsewhere [s]
+constexpr double kSameStick = 0.05;       ///< change of an axis or lift that does not count
+constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
+constexpr double kSameRest = 1e-3;        ///< of a joint [rad]
+
+/// Sample at which the last phase begins.
+int last_phase_of(const Motion& motion) {
+  return motion.ticks() - motion.phases.back().ticks;
+}
+
+/// Where the feet stand, and which stepped last, once a goal is reached.
+void note_steps(const Goal& goal, Side& last_step, BySide<Pose>& foothold) {
+  for (const Side side : kSides) {
+    if (goal.contact[side]) foothold[side] = goal.sole[side];
+  }
+  if (goal.swing) last_step = *goal.swing;
+}
+
+/// Whether the lever of the guided foot is elsewhere.
+bool lever_moved(const Command& a, const Command& b) {
+  if (!is_foot(a.guide)) return false;
+  const Side side = side_of(a.guide);
+  return a.guide != b.guide || std::abs(a.lift[side] - b.lift[side]) > kSameStick;
+}
+
+/// Whether a command asks for something else than another.
+bool differs(const Command& a, const Command& b) {
+  return a.guide != b.guide || (a.axes - b.axes).cwiseAbs().maxCoeff() > kSameStick || lever_moved(a, b);
+}
 
 }  // namespace
 
@@ -21,28 +55,37 @@ Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
     : robot_(&robot), modes_(modes), guide_(robot, world), planner_(robot, world, modes.duration) {}
 
 PlanningResult Planning::plan(const Problem& problem) {
-  PlanningResult result{problem.take_over, problem.command, problem.context.anchor, std::monostate{}};
-  if (problem.command.recall == Recall::retrace) {
-    result.outcome = go_back(problem);
-    return result;
-  }
-  result.outcome = resolve(problem.context, problem.command);
-  if (const auto* refusal = std::get_if<Refusal>(&result.outcome)) {
-    std::optional<Motion> part = modes_.on_limit == OnLimit::shrink ? shrunk(problem) : std::nullopt;
-    if (part) {
-      part->limit = *refusal;
-      result.outcome = *std::move(part);
-    }
+  PlanningResult result{problem.take_over, problem.command, problem.context, outcome(problem), problem.trail};
+  const auto* motion = std::get_if<Motion>(&result.outcome);
+  if (motion == nullptr || motion->retraces) return result;
+  if (problem.replaced_at < 0) {
+    result.trail = std::make_shared<const Trail>(trail_of(problem.start, *motion));
+  } else if (problem.halt) {
+    result.trail = std::make_shared<const Trail>(trail_to(*problem.trail, *problem.halt));
+  } else if (problem.trail) {
+    result.trail = std::make_shared<const Trail>(continued(*problem.trail, problem.replaced_at, *motion));
   }
   return result;
 }
 
-Planning::Outcome Planning::resolve(const GuideContext& context, const Command& command) {
-  GuideResult guided = guide_.goals(context, command);
+Planning::Outcome Planning::outcome(const Problem& problem) {
+  if (problem.halt) return halt(problem);
+  if (problem.command.recall == Recall::stop) return stop(problem);
+  if (problem.command.recall == Recall::retrace) return go_back(problem);
+  Outcome whole = resolve(problem, problem.command);
+  if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
+  std::optional<Motion> part = shrunk(problem);
+  if (!part) return whole;
+  part->limit = std::get<Refusal>(std::move(whole));
+  return *std::move(part);
+}
+
+Planning::Outcome Planning::resolve(const Problem& problem, const Command& command) {
+  GuideResult guided = guide_.goals(problem.context, command);
   if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
-  PlanResult planned = first_of(*goals, context);
+  PlanResult planned = first_of(*goals, problem);
   if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
   return std::get<Refusal>(std::move(planned));
 }
@@ -54,6 +97,50 @@ Planning::Outcome Planning::go_back(const Problem& problem) {
   return std::get<Refusal>(std::move(planned));
 }
 
+Planning::Outcome Planning::stop(const Problem& problem) {
+  GuideResult ways = guide_.stops(problem.context);
+  if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
+  std::vector<Posture> starts{problem.start};
+  if (problem.start.flight) {  // the foot may also come down sooner than it was to
+    Flight& flight = *starts.emplace_back(problem.start).flight;
+    const double left = std::max(kLeastFlight, kSooner * flight.left);
+    flight.rise *= left / flight.left;
+    flight.left = left;
+  }
+  std::optional<Motion> quickest;
+  std::optional<Refusal> against;
+  for (const Goal& goal : std::get<std::vector<Goal>>(ways)) {
+    for (const Posture& start : starts) {
+      PlanResult planned = planner_.plan(start, goal, problem.context.anchor, DurationRule::search);
+      if (auto* motion = std::get_if<Motion>(&planned)) {
+        if (!quickest || motion->ticks() < quickest->ticks()) quickest = std::move(*motion);
+      } else if (!against) {
+        against = std::get<Refusal>(std::move(planned));
+      }
+    }
+  }
+  if (quickest) return *std::move(quickest);
+  return *std::move(against);
+}
+
+Planning::Outcome Planning::halt(const Problem& problem) {
+  const Trail::Piece& piece = problem.trail->pieces[problem.halt->piece];
+  const Trail::Point& there = piece.points->back();
+  Goal goal;
+  goal.guided = piece.goal.guided;
+  goal.sole = there.sole;
+  goal.com = there.com;
+  goal.trunk = posture_of(*robot_, there.q).trunk;
+  goal.arms = there.q.tail(robot_->nv() - 6);
+  PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor, DurationRule::search);
+  if (auto* refusal = std::get_if<Refusal>(&planned)) return std::move(*refusal);
+  auto& motion = std::get<Motion>(planned);
+  // From there the trail leads back only if it is there to the hair.
+  const double off = (motion.end.q - there.q).cwiseAbs().maxCoeff();
+  if (off > kSameRest) return Refusal{Reason::unreachable, goal.guided, off, kSameRest, "rest on the way back"};
+  return std::move(motion);
+}
+
 std::optional<Motion> Planning::shrunk(const Problem& problem) {
   const Posture& from = problem.context.from;
   const Command& command = problem.command;
@@ -63,7 +150,7 @@ std::optional<Motion> Planning::shrunk(const Problem& problem) {
     return std::nullopt;
   std::optional<Motion> best;
   const auto tried = [&](const Command& candidate) {
-    Outcome outcome = resolve(problem.context, candidate);
+    Outcome outcome = resolve(problem, candidate);
     auto* motion = std::get_if<Motion>(&outcome);
     const bool better = motion != nullptr && worth(from, *motion);
     if (better) best = std::move(*motion);
@@ -104,12 +191,12 @@ bool Planning::worth(const Posture& from, const Motion& motion) const {
   return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
 }
 
-PlanResult Planning::first_of(const std::vector<Goal>& goals, const GuideContext& context) {
+PlanResult Planning::first_of(const std::vector<Goal>& goals, const Problem& problem) {
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
-    PlanResult planned = planner_.plan(context.from, goal, context.anchor);
+    PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor);
     if (auto* motion = std::get_if<Motion>(&planned)) {
-      if (can_land(*motion, context)) return planned;
+      if (can_land(*motion, problem.context)) return planned;
       planned = Refusal{Reason::no_landing, goal.guided, 0, 0, ""};
     }
     if (!against) against = std::get<Refusal>(planned);
@@ -128,8 +215,9 @@ bool Planning::can_land(const Motion& motion, const GuideContext& context) {
          });
 }
 
-Navigator::Navigator(const RobotModel& robot, const Posture& start)
+Navigator::Navigator(const RobotModel& robot, const Posture& start, Gait gait)
     : robot_(&robot),
+      gait_(gait),
       estimator_(robot),
       stabiliser_(robot),
       posture_(start),
@@ -138,12 +226,13 @@ Navigator::Navigator(const RobotModel& robot, const Posture& start)
       foothold_(start.sole) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
   soft_ = {zero, zero, zero, zero, {false, false}};
+  history_.reserve(static_cast<std::size_t>(kHistory) + 1);
 }
 
 const JointTarget& Navigator::tick(const Measurement& measurement, const Command& command) {
   ++tick_;
   command_ = sanitised(command);
-  if (refusal_ && !(command_ == refused_)) refusal_.reset();
+  if (!(command_ == refused_)) drop_refusal();
 
   if (motion_ && ++index_ == motion_->ticks()) end_of_motion();
   take_over();
@@ -160,85 +249,274 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
 
 std::optional<Problem> Navigator::request() {
   const int lookahead = robot_->profile().tick.lookahead;
-  if (fallen_ || tick_ < 0 || asked_) return std::nullopt;
-  if (motion_ && motion_->ticks() - index_ > lookahead) return std::nullopt;
-  const BySide<bool>& stands = rest().contact;
-  const bool a_foot_is_up = !stands.left || !stands.right;
-  if (command_.neutral() && !a_foot_is_up) return std::nullopt;
-
-  Problem due = problem(command_);
-  if ((due.context.anchor.p - anchor_.p).norm() > kSlip * robot_->profile().reach.foot) {
+  forget();
+  if (fallen_ || tick_ < 0 || waits_) return std::nullopt;
+  const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
+  const bool stops = command_.recall == Recall::stop || (on_the_way && motion_->retraces && command_.neutral());
+  std::optional<Problem> due;
+  if (stops) {
+    if (on_the_way) due = problem_of_stopping(index_ + lookahead);
+  } else if (on_the_way) {
+    if (replaceable(index_ + lookahead)) due = problem_on_the_way(index_ + lookahead);
+  } else if (!command_.neutral() || !rest().contact.left || !rest().contact.right) {
+    due = problem(command_);
+  }
+  if (!due) return std::nullopt;
+  if ((due->context.anchor.p - anchor_.p).norm() > kSlip * robot_->profile().reach.foot) {
     history_.clear();  // it slipped: what led here does not lead back
-    due.trail.reset();
+    retraced_.reset();
+    due->trail.reset();
+    if (due->halt) return std::nullopt;
   }
   // What was refused would be refused again, from the same place.
-  const bool same_place = (due.context.anchor.p - refused_at_.p).norm() < 1e-3;
-  if (!motion_ && ((refusal_ && same_place) || tick_ < not_before_)) return std::nullopt;
-  asked_ = due;
+  const bool same_place = (due->context.anchor.p - refused_at_.p).norm() < 1e-3;
+  if (!motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_)) return std::nullopt;
+  asked_at_ = tick_;
+  asked_ = std::move(due);
+  waits_ = true;
   return asked_;
 }
 
+bool Navigator::replaceable(int at) const {
+  if (gait_ == Gait::stop || motion_->retraces || halts_ || command_.recall != Recall::none || command_.neutral())
+    return false;
+  const Goal& goal = motion_->goal;
+  const int last_phase = last_phase_of(*motion_);
+  const bool lands = motion_->phases.size() > 1 && goal.swing && goal.contact[*goal.swing];
+  const bool in_the_air = lands && !motion_->samples[static_cast<std::size_t>(at)].contact[*goal.swing];
+  // A held stick goes on from where a foot has landed; with no foot to land, from halfway through the last phase.
+  const bool foot_again = is_foot(command_.guide) && !differs(command_, motion_for_);
+  const int goes_on = !lands ? (last_phase + motion_->ticks()) / 2 : (foot_again ? motion_->ticks() : last_phase);
+  if (at == goes_on && !command_.axes.isZero(0.0)) return true;
+  const double period = robot_->profile().tick.period;
+  if (tick_ < asked_at_ + std::lround(kReplacing / period)) return false;
+  if (in_the_air && (last_phase - at) * period < kLeastFlight) return false;
+  // A stick that is let go of, a lever as it was: what is under way serves.
+  if (command_.axes.isZero(0.0) && !lever_moved(command_, asked_for_)) return false;
+  return at > goes_on || differs(command_, asked_for_);
+}
+
+GuideContext Navigator::context_at_rest() const {
+  GuideContext context{rest(), anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact), last_step_,
+                       foothold_};
+  if (motion_) note_steps(motion_->goal, context.last_step, context.foothold);
+  return context;
+}
+
 Problem Navigator::problem(const Command& command) const {
-  const Pose anchor = anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact);
-  return {tick_ + robot_->profile().tick.lookahead,
-          command,
-          {rest(), anchor, last_step_, foothold_},
+  return {tick_ + (static_cast<long>(robot_->profile().tick.lookahead) << late_), command, context_at_rest(), rest(),
           history_.empty() ? nullptr : history_.back()};
 }
 
+std::optional<Flight> Navigator::flight(int at) const {
+  const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
+  if (sample.contact.left && sample.contact.right) return std::nullopt;
+  const double period = robot_->profile().tick.period;
+  const Side up = sample.contact.left ? Side::right : Side::left;
+  const int arrives = motion_->goal.contact[up] ? last_phase_of(*motion_) : motion_->ticks();
+  const double left = std::max((arrives - at) * period, kLeastFlight);
+  return Flight{up, motion_->lift_off, left, motion_->apex_t - at * period, motion_->apex};
+}
+
+Problem Navigator::problem_of_replacing(int at) const {
+  const auto sample = motion_->samples.begin() + at;
+  Problem due{tick_ + robot_->profile().tick.lookahead,     command_, context_at_rest(), passing(*robot_, *sample),
+              history_.empty() ? nullptr : history_.back(), at};
+  if (at > 0) due.start.contact_before = std::prev(sample)->contact;
+  return due;
+}
+
+std::optional<Halt> Navigator::halt_from(int at) const {
+  if (!retraced_) return std::nullopt;
+  const std::vector<Halt> rests = halts(*retraced_);
+  const auto next = std::find_if(rests.begin(), rests.end(), [&](const Halt& rest) { return rest.passed > at; });
+  const auto both_stand = [](const MotionSample& s) { return s.contact.left && s.contact.right; };
+  const auto sample = motion_->samples.begin();
+  if (next == rests.end() || !std::all_of(sample + at, sample + next->passed, both_stand)) return std::nullopt;
+  return *next;
+}
+
+std::optional<Problem> Navigator::problem_of_stopping(int at) const {
+  if (motion_->retraces) {
+    const std::optional<Halt> halt = halt_from(at);
+    if (!halt) return std::nullopt;
+    Problem due = problem_of_replacing(at);
+    due.command.recall = Recall::stop;
+    due.trail = retraced_;
+    due.halt = halt;
+    return due;
+  }
+  if (halts_ || motion_for_.recall == Recall::stop || tick_ < asked_at_ + std::lround(kReplacing / motion_->period))
+    return std::nullopt;
+  Problem due = problem_of_replacing(at);
+  due.start.flight = flight(at);
+  const Goal& goal = motion_->goal;
+  if (goal.swing && at < last_phase_of(*motion_)) {  // the step is not done
+    due.context.last_step = base_.last_step;
+    due.context.foothold = base_.foothold;
+  }
+  if (due.start.flight) {
+    const Side up = due.start.flight->side;
+    due.context.step = {up, goal.contact[up] ? goal.sole[up] : base_.foothold[up]};
+  }
+  due.context.from = due.start;
+  return due;
+}
+
+Problem Navigator::problem_on_the_way(int at) const {
+  const Goal& goal = motion_->goal;
+  const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
+  const double period = robot_->profile().tick.period;
+  const int last_phase = last_phase_of(*motion_);
+  const bool both_end = goal.contact.left && goal.contact.right;
+  Problem due = problem_of_replacing(at);
+  Posture& start = due.start;
+  Posture& from = due.context.from;
+  const Part guided = command_.guide;
+  // A lever that moves while the stick is centred changes how high the foot is, not where it goes.
+  if (command_.axes.isZero(0.0) && command_.guide == motion_for_.guide) due.command.axes = motion_for_.axes;
+  due.context.goes_on = command_.guide == motion_for_.guide && !motion_for_.axes.isZero(0.0);
+
+  start.flight = flight(at);
+  // Once a foot is up that stays up, all that is left is its way through the air.
+  const bool several = motion_->phases.size() > 1 && (at < last_phase || both_end);
+  const int lift_off = motion_->phases.front().ticks;
+  if (goal.swing && sample.contact.left && sample.contact.right && at < lift_off && several)
+    start.lift_off = LiftOff{*goal.swing, (lift_off - at) * period};
+  if (several && at >= last_phase && both_end) return due;  // on from the rest that the step leads to
+  if (several) {
+    // The same step again, to another goal.
+    const Pose anchor = due.context.anchor;
+    const bool goes_on = due.context.goes_on;
+    due.context = base_;
+    due.context.anchor = anchor;
+    due.context.goes_on = goes_on;
+    from.q.tail(robot_->nv() - 6) = motion_->end.q.tail(robot_->nv() - 6);
+    if (start.flight && from.contact.left && from.contact.right) {
+      const Side up = start.flight->side;
+      due.context.step = {up, goal.contact[up] ? goal.sole[up] : from.sole[up]};
+    }
+  }
+  // The guided part goes on from where it is; a foot, from where it began to move.
+  if (guided == Part::trunk) {
+    from.com = start.com;
+    from.trunk = start.trunk;
+  } else if (is_hand(guided)) {
+    from.hand[side_of(guided)] = start.hand[side_of(guided)];
+    from.shoulder[side_of(guided)] = start.shoulder[side_of(guided)];
+  } else if (!several) {
+    from.sole[side_of(guided)] = start.sole[side_of(guided)];
+  }
+  return due;
+}
+
 void Navigator::offer(PlanningResult result) {
-  if (!asked_ || result.take_over != asked_->take_over || result.take_over <= tick_) return;
+  if (!waits_ || result.take_over != asked_->take_over || result.take_over <= tick_) return;
   offered_ = std::move(result);
+  answered_ = true;
 }
 
 void Navigator::end_of_motion() {
-  posture_ = motion_->end;
-  held_ = motion_->rest;
+  note_steps(motion_->goal, last_step_, foothold_);
+  std::swap(posture_, motion_->end);
+  std::swap(held_, motion_->rest);
+  past_motion_ = std::move(motion_);
   motion_.reset();
 }
 
+void Navigator::drop_refusal() {
+  if (!refusal_) return;
+  past_refusal_ = std::move(refusal_);
+  refusal_.reset();
+}
+
+void Navigator::put_refusal(Refusal& refusal) {
+  drop_refusal();
+  std::swap(refusal_.emplace(), refusal);
+}
+
 void Navigator::take_over() {
-  if (!asked_ || asked_->take_over > tick_) return;
-  std::optional<PlanningResult> result = std::move(offered_);
-  offered_.reset();
-  asked_.reset();
-  if (!result || motion_ || fallen_) return;
-  if (auto* motion = std::get_if<Motion>(&result->outcome)) {
-    commit(std::move(*motion), result->anchor);
-  } else if (const auto* refusal = std::get_if<Refusal>(&result->outcome)) {
-    if (!refusal_ || !(refused_ == result->command)) ++refused_in_a_row_;
-    refusal_ = *refusal;
-    refused_ = result->command;
-    refused_at_ = result->anchor;
+  if (!waits_ || asked_->take_over > tick_) return;
+  waits_ = false;
+  const bool answered = std::exchange(answered_, false);
+  if (!answered) {
+    ++dropped_;
+    asked_at_ = 0;  // again, at once
+  }
+  // At rest nothing is lost by waiting longer for the next answer.
+  late_ = answered ? 0 : std::min(late_ + (motion_ ? 0 : 1), kMostLate);
+  if (!answered || fallen_) return;
+  PlanningResult& result = *offered_;
+  const bool stops = result.command.recall == Recall::stop;
+  // Let go of meanwhile: the motion under way ends at rest.
+  if (motion_ && !stops && (command_.neutral() || command_.recall == Recall::stop)) return;
+  if (const auto* motion = std::get_if<Motion>(&result.outcome)) {
+    if (stops && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_) return;  // not sooner
+    motion_for_ = asked_for_ = result.command;
+    commit(result);
+    return;
+  }
+  if (stops) return;  // the motion under way ends at rest
+  auto* refusal = std::get_if<Refusal>(&result.outcome);
+  if (motion_) {
+    // Not on the way; it is asked again where the motion can go on, or at rest.
+    asked_for_ = result.command;
+    refused_at_rest_ = false;
+    if (refusal != nullptr && !result.context.goes_on) put_refusal(*refusal);
+    refused_ = result.command;
+  } else if (refusal != nullptr) {
+    if (!refusal_ || !refused_at_rest_ || !(refused_ == result.command)) ++refused_in_a_row_;
+    put_refusal(*refusal);
+    refused_at_rest_ = true;
+    refused_ = result.command;
+    refused_at_ = result.context.anchor;
     not_before_ = tick_ + std::lround(kPatience / robot_->profile().tick.period);
   }
 }
 
-void Navigator::commit(Motion motion, const Pose& anchor) {
+void Navigator::commit(PlanningResult& result) {
+  auto& motion = std::get<Motion>(result.outcome);
+  halts_ = motion_ && motion_->retraces;
   if (motion.retraces) {
+    retraced_.swap(history_.back());
+    result.trail.swap(history_.back());
     history_.pop_back();
+  } else if (!motion_ || motion_->retraces) {
+    history_.push_back(std::move(result.trail));
+  } else if (!history_.empty()) {
+    history_.back().swap(result.trail);
+  }
+  if (motion_) {
+    std::swap(*motion_, motion);
   } else {
-    if (history_.size() == kHistory) history_.erase(history_.begin());
-    history_.push_back(std::make_shared<const Trail>(trail_of(posture_, motion)));
+    motion_ = std::move(motion);
   }
-  refused_in_a_row_ = 0;
-  motion_ = std::move(motion);
   index_ = 0;
-  anchor_ = anchor;
+  std::swap(base_, result.context);
+  anchor_ = base_.anchor;
+  last_step_ = base_.last_step;
+  foothold_ = base_.foothold;
   ++committed_;
-  refusal_.reset();
-  const Goal& goal = motion_->goal;
-  for (const Side side : kSides) {
-    if (goal.contact[side]) foothold_[side] = goal.sole[side];
-  }
-  if (goal.swing) last_step_ = *goal.swing;
+  refused_in_a_row_ = 0;
+  drop_refusal();
+}
+
+void Navigator::forget() {
+  past_motion_.reset();
+  past_refusal_.reset();
+  if (!motion_ || !motion_->retraces) retraced_.reset();
+  long ticks = 0;
+  auto oldest = history_.end();
+  while (oldest != history_.begin() && history_.end() - oldest < kHistory &&
+         (ticks += (*std::prev(oldest))->ticks()) <= kHistoryTicks)
+    --oldest;
+  history_.erase(history_.begin(), oldest);
 }
 
 void Navigator::fall() {
   fallen_ = true;
   motion_.reset();
-  offered_.reset();
-  asked_.reset();
+  waits_ = answered_ = false;
   sample_ = &held_;
 }
 

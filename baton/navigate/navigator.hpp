@@ -16,9 +16,16 @@ enum class OnLimit {
   shrink,   ///< the goal comes nearer, along its direction, until it can
 };
 
+/// When the committed motion may be replaced.
+enum class Gait {
+  stop,  ///< when it has come to rest
+  flow,  ///< on its way, from where it is then, moving
+};
+
 struct Modes {
   DurationRule duration = DurationRule::paper;
   OnLimit on_limit = OnLimit::shrink;
+  Gait gait = Gait::flow;
 };
 
 /// A planning task: everything that the answer depends on.
@@ -26,15 +33,21 @@ struct Problem {
   long take_over = 0;  ///< tick at which the answer would begin
   Command command;
   GuideContext context;
-  std::shared_ptr<const Trail> trail;  ///< the executed motion that is next to be retraced; null: there is none
+  Posture start;  ///< planned posture at the take-over, in the planning frame; may be moving
+  /// From rest, what was executed last, to be retraced next; on the way, what the motion to be replaced belongs to, or
+  /// retraces. Null: there is none.
+  std::shared_ptr<const Trail> trail{};
+  int replaced_at{-1};         ///< sample of the motion under way at which it is replaced; −1: from rest
+  std::optional<Halt> halt{};  ///< a rest on the trail, to stop at on the way back
 };
 
 /// The answer: nothing was asked for, a verified motion, or why there is none.
 struct PlanningResult {
   long take_over = 0;
   Command command;
-  Pose anchor;
+  GuideContext context;
   std::variant<std::monostate, Motion, Refusal> outcome;
+  std::shared_ptr<const Trail> trail;  ///< with a motion: what it belongs to from then on, or retraces
 };
 
 /// Problem → result. Pure and slow; may live on a thread of its own.
@@ -47,14 +60,19 @@ class Planning {
  private:
   using Outcome = std::variant<std::monostate, Motion, Refusal>;
 
-  [[nodiscard]] Outcome resolve(const GuideContext& context, const Command& command);
+  [[nodiscard]] Outcome outcome(const Problem& problem);
+  [[nodiscard]] Outcome resolve(const Problem& problem, const Command& command);
   [[nodiscard]] Outcome go_back(const Problem& problem);
+  /// The quickest of the ways to rest.
+  [[nodiscard]] Outcome stop(const Problem& problem);
+  /// To rest at a rest on the trail.
+  [[nodiscard]] Outcome halt(const Problem& problem);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
   [[nodiscard]] std::optional<Motion> shrunk(const Problem& problem);
   /// Whether the guided part comes anywhere by it.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
-  [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const GuideContext& context);
+  [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const Problem& problem);
   /// Whether the foot that `motion` leaves in the air could be put down from there.
   [[nodiscard]] bool can_land(const Motion& motion, const GuideContext& context);
 
@@ -75,15 +93,15 @@ enum class Phase { hold, double_support, single_left, single_right, fallen };
 class Navigator {
  public:
   /// @param start posture that the robot stands in, at rest, in the world
-  Navigator(const RobotModel& robot, const Posture& start);
+  Navigator(const RobotModel& robot, const Posture& start, Gait gait = Gait::flow);
 
   /// One period of the robot: where its joints shall be when the tick ends. Never waits, never throws once the
   /// measurements have a root pose.
   const JointTarget& tick(const Measurement& measurement, const Command& command);
 
-  /// The planning task that is due now, if one is: when the segment is about to end, or at rest when the operator
-  /// asks for something new, every 50 ms at most while that is refused. To be answered by `offer`, before the take-over
-  /// or else in vain.
+  /// The planning task that is due now, if one is: when the motion is about to end; on its way, where it can go on or
+  /// the stick asks for something else, or to stop; at rest when the operator asks for something new, every 50 ms at
+  /// most while that is refused. To be answered by `offer`, before the take-over or else in vain.
   [[nodiscard]] std::optional<Problem> request();
 
   /// The task that this command would be now, from where the robot rests next. Not before the first tick.
@@ -112,17 +130,40 @@ class Navigator {
   [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
   /// Different commands refused since the last motion.
   [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+  /// Requests whose answer was not there at the take-over.
+  [[nodiscard]] long dropped() const { return dropped_; }
   /// Motions that can be retraced.
   [[nodiscard]] std::size_t history() const { return history_.size(); }
 
  private:
   void end_of_motion();
   void take_over();
-  void commit(Motion motion, const Pose& anchor);
+  /// Swaps the motion in: what it replaces is left in `result`.
+  void commit(PlanningResult& result);
+  /// Keeps no more of what was executed than there is room for.
+  void forget();
+  void drop_refusal();
+  /// Swaps it in.
+  void put_refusal(Refusal& refusal);
+  /// Whether the motion under way is to be replaced at its sample `at`.
+  [[nodiscard]] bool replaceable(int at) const;
+  /// What all tasks of replacing it there have in common.
+  [[nodiscard]] Problem problem_of_replacing(int at) const;
+  /// The task of replacing it there by what the stick asks for.
+  [[nodiscard]] Problem problem_on_the_way(int at) const;
+  /// The foot that is in the air there, if one is.
+  [[nodiscard]] std::optional<Flight> flight(int at) const;
+  /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
+  [[nodiscard]] std::optional<Halt> halt_from(int at) const;
+  /// The task of coming to rest from there, if there is one.
+  [[nodiscard]] std::optional<Problem> problem_of_stopping(int at) const;
+  /// What goals are relative to where the robot rests next.
+  [[nodiscard]] GuideContext context_at_rest() const;
   /// Where the motion that ends next comes to rest, or where the robot rests.
   [[nodiscard]] const Posture& rest() const { return motion_ ? motion_->end : posture_; }
 
   const RobotModel* robot_;
+  Gait gait_;
   Estimator estimator_;
   Stabiliser stabiliser_;
 
@@ -138,14 +179,28 @@ class Navigator {
   JointTarget soft_;  ///< after a fall: nothing is asked of the motors
   bool fallen_ = false;
 
-  long committed_ = 0;  ///< motions so far
-  Side last_step_ = Side::right;
-  BySide<Pose> foothold_;
+  long committed_ = 0;                     ///< motions so far
+  Side last_step_ = Side::right;           ///< before the motion under way
+  BySide<Pose> foothold_;                  ///< the same
+  GuideContext base_;                      ///< what the goal of the motion under way was relative to
+  Command motion_for_;                     ///< what the motion under way was made for
+  Command asked_for_;                      ///< what was asked for last since it began
+  long asked_at_ = 0;                      ///< tick of the last request
   std::optional<Problem> asked_;           ///< the request under way
-  std::optional<PlanningResult> offered_;  ///< its answer, to be taken over
+  bool waits_ = false;                     ///< for its answer
+  std::optional<PlanningResult> offered_;  ///< the newest answer, to be taken over, or what that left
+  bool answered_ = false;                  ///< it is to be taken over
+  // The tick frees no memory: what is over is kept until the next request.
+  std::optional<Motion> past_motion_;
+  std::optional<Refusal> past_refusal_;
   std::optional<Refusal> refusal_;
+  bool refused_at_rest_ = false;
   int refused_in_a_row_ = 0;
+  long dropped_ = 0;
+  int late_ = 0;                                       ///< answers in a row that came too late
   std::vector<std::shared_ptr<const Trail>> history_;  ///< from rest to rest, the newest last
+  std::shared_ptr<const Trail> retraced_;              ///< by the motion under way
+  bool halts_ = false;                                 ///< the motion under way does, at a rest on a way back
   Command refused_;                                    ///< what `refusal_` answers
   Pose refused_at_;                                    ///< anchor then
   long not_before_ = 0;                                ///< tick of the next request from rest, after a refusal

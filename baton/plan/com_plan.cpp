@@ -57,6 +57,7 @@ ZmpMargin zmp_margin(const ComProblem& problem, const ComPath& path, const Timin
     if (std::isnan(margin)) margin = -std::numeric_limits<double>::infinity();
     if (margin < least.margin) least = {margin, t};
   };
+  if (!problem.at_start.vertices().empty()) check(0.0, problem.at_start);
   for (std::size_t i = 0; i < problem.phases.size(); ++i) {
     const double from = timing.border[i] * timing.period;
     const double to = timing.border[i + 1] * timing.period;
@@ -97,17 +98,20 @@ std::optional<ComPath> BoundedCom::path(const ComProblem& problem, const Timing&
   };
   std::vector<Edge> edges;
   const auto n = static_cast<Eigen::Index>(knots.size());
+  const auto keep_inside = [&](Eigen::Index k, const ConvexPolygon& support) {
+    const std::vector<Vec2>& corners = support.vertices();
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const Vec2 along = (corners[(c + 1) % corners.size()] - corners[c]).normalized();
+      const Vec2 inward(-along.y(), along.x());
+      edges.push_back({k, inward, inward.dot(corners[c]) + problem.margin + kReserve});
+    }
+  };
+  keep_inside(0, problem.at_start);
   for (Eigen::Index k = 0; k < n; ++k) {
     const double place = problem.knots[static_cast<std::size_t>(k)].t;
     for (std::size_t i = 0; i < problem.phases.size(); ++i) {
       const auto begin = static_cast<double>(i);
-      if (place < begin - 1e-9 || place > begin + 1.0 + 1e-9) continue;
-      const std::vector<Vec2>& corners = problem.phases[i].support.vertices();
-      for (std::size_t c = 0; c < corners.size(); ++c) {
-        const Vec2 along = (corners[(c + 1) % corners.size()] - corners[c]).normalized();
-        const Vec2 inward(-along.y(), along.x());
-        edges.push_back({k, inward, inward.dot(corners[c]) + problem.margin + kReserve});
-      }
+      if (place > begin - 1e-9 && place < begin + 1.0 + 1e-9) keep_inside(k, problem.phases[i].support);
     }
   }
   // Unknowns: x of all knots, then y. The vertical stays as it is; with it, the ZMP is linear in them:

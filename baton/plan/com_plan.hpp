@@ -36,6 +36,7 @@ struct ComProblem {
   Vec3 goal = Vec3::Zero();  ///< COM at the end, at rest [m]
   double plane = 0.0;        ///< height of the ZMP's plane [m]
   double margin = 0.0;       ///< of the ZMP inside the support [m]
+  ConvexPolygon at_start;  ///< where the ZMP may be at the start besides, if it has corners: the support until then [m]
   std::vector<SupportPhase> phases;
   std::vector<VrpKnot> knots;  ///< wishes; `t` is a place counted in phases: 0 … number of phases
 };

@@ -46,21 +46,23 @@ double stretch_for(const Refusal& refusal) {
 Planner::Planner(const RobotModel& robot, const World& world, DurationRule rule)
     : robot_(&robot), rule_(rule), ik_(robot), coarse_(robot, kCoarse), kinematics_(robot), verifier_(robot, world) {}
 
-PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor) {
+PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor, DurationRule rule) {
   if (!goal.com.allFinite() || !goal.trunk.allFinite()) return Refusal{Reason::not_finite, goal.guided, 0, 0, ""};
-  const Segment segment(*robot_, from, goal);
+  const Segment segment(*robot_, from, goal, part_rates(kinematics_, from));
   Motion motion;
   motion.period = robot_->profile().tick.period;
   motion.goal = goal;
+  motion.contact_before = from.contact_before;
+  if (goal.swing) motion.lift_off = from.flight ? from.flight->from : from.sole[*goal.swing];
   Task task{segment, from, anchor};
-  return rule_ == DurationRule::paper ? by_paper(task, std::move(motion)) : by_search(task, std::move(motion));
+  return rule == DurationRule::paper ? by_paper(task, std::move(motion)) : by_search(task, std::move(motion));
 }
 
 PlanResult Planner::by_paper(Task& task, Motion motion) {
   const Profile::Duration& duration = robot_->profile().duration;
   std::optional<Failure> failure;
   double certain = 0.0;  // no duration below is worth a try
-  for (double T = duration.first; T <= duration.max + 1e-9; T += duration.step) {
+  for (double T = task.segment.first_duration(); T <= duration.max + 1e-9; T += duration.step) {
     if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / motion.period));
     const Timing timing = timing_by_shares(task.segment.com().phases, ticks, motion.period);
@@ -97,7 +99,8 @@ PlanResult Planner::by_search(Task& task, Motion motion) {
   const Profile& profile = robot_->profile();
   const auto in_ticks = [&](double t) { return static_cast<int>(std::lround(t / motion.period)); };
   const int longest = in_ticks(profile.duration.max);
-  const int least_swing = static_cast<int>(std::ceil(profile.swing.time / motion.period - 1e-9));
+  const double swing_time = task.from.flight ? task.from.flight->left : profile.swing.time;
+  const int least_swing = static_cast<int>(std::ceil(swing_time / motion.period - 1e-9));
   const ComProblem& com = task.segment.com();
   // The shortest that the point mass can do, but nothing that is over sooner than a swing.
   const std::optional<Shortest> shortest =
@@ -153,11 +156,16 @@ PlanResult Planner::by_search(Task& task, Motion motion) {
 
 PlanResult Planner::retrace(const Trail& trail, const Pose& anchor) {
   Motion motion = reversed(*robot_, trail);
+  if (std::optional<Refusal> refusal = certify(motion, anchor)) return *std::move(refusal);
+  return motion;
+}
+
+std::optional<Refusal> Planner::certify(Motion& motion, const Pose& anchor) {
   auto verdict = verifier_.verify(motion, anchor);
   if (auto* refusal = std::get_if<Refusal>(&verdict)) return std::move(*refusal);
   motion.certificate = std::get<Certificate>(std::move(verdict));
   motion.rest = resting(*robot_, motion.end);
-  return motion;
+  return std::nullopt;
 }
 
 Planner::Failure Planner::judged(Refusal refusal, const Motion& motion) {
@@ -168,19 +176,18 @@ Planner::Failure Planner::judged(Refusal refusal, const Motion& motion) {
 
 std::optional<Planner::Failure> Planner::look(Task& task, const Timing& timing, Motion& motion) {
   ++motion.durations_tried;
-  const auto failure = [&](Refusal refusal) { return judged(std::move(refusal), motion); };
   const ComProblem& problem = task.segment.com();
   VrpOffset offset;
   for (int k = 0;; ++k) {
     std::optional<ComPath> path = com_.path(problem, timing, offset);
     if (!path) {
       const double margin = zmp_margin(problem, com_path(problem, timing), timing).margin;
-      return failure({Reason::zmp, motion.goal.guided, margin, problem.margin, k == 0 ? "point mass" : ""});
+      return judged({Reason::zmp, motion.goal.guided, margin, problem.margin, k == 0 ? "point mass" : ""}, motion);
     }
     motion.com = std::move(*path);
     if (k == kCorrections) break;
-    std::variant<VrpOffset, Failure> looked = survey(task, motion.com, timing);
-    if (auto* failed = std::get_if<Failure>(&looked)) return failure(failed->refusal);
+    std::variant<VrpOffset, Refusal> looked = survey(task, motion.com, timing);
+    if (auto* refusal = std::get_if<Refusal>(&looked)) return judged(std::move(*refusal), motion);
     offset = std::move(std::get<VrpOffset>(looked));
   }
   return std::nullopt;
@@ -188,19 +195,20 @@ std::optional<Planner::Failure> Planner::look(Task& task, const Timing& timing, 
 
 std::optional<Planner::Failure> Planner::finish(Task& task, const Timing& timing, Motion& motion) {
   motion.phases = task.segment.phases(timing);
-  if (std::optional<Refusal> refusal = realise(task, timing, motion)) return judged(*std::move(refusal), motion);
-  auto verdict = verifier_.verify(motion, task.anchor);
-  if (auto* refusal = std::get_if<Refusal>(&verdict)) return judged(std::move(*refusal), motion);
-  motion.certificate = std::get<Certificate>(verdict);
-  motion.rest = resting(*robot_, motion.end);
+  const Vec2 apex = task.segment.apex(timing);
+  motion.apex_t = apex.x();
+  motion.apex = apex.y();
+  std::optional<Refusal> refusal = realise(task, timing, motion);
+  if (!refusal) refusal = certify(motion, task.anchor);
+  if (refusal) return judged(*std::move(refusal), motion);
   return std::nullopt;
 }
 
-std::variant<VrpOffset, Planner::Failure> Planner::survey(Task& task, const ComPath& path, const Timing& timing) {
+std::variant<VrpOffset, Refusal> Planner::survey(Task& task, const ComPath& path, const Timing& timing) {
   const Profile& profile = robot_->profile();
   const ComProblem& problem = task.segment.com();
   const auto fails = [](Reason reason, double value, double limit, const std::string& where) {
-    return Failure{{reason, Part::trunk, value, limit, where}, 0.0};
+    return Refusal{reason, Part::trunk, value, limit, where};
   };
   std::vector<double> t{0.0};
   const double spacing = std::max(kSurveySpacing, timing.duration() / kSurveyed);
@@ -214,14 +222,15 @@ std::variant<VrpOffset, Planner::Failure> Planner::survey(Task& task, const ComP
   }
   const std::size_t last = t.size() - 1;
   const bool again = task.looked.size() == t.size();
+  const bool moving = !task.from.dq.isZero(0.0);
   std::vector<VecX> q(t.size(), task.from.q);
   std::vector<VecX> step(t.size() + 1, VecX::Zero(robot_->nv()));  // velocity between postures i − 1 and i
-  std::optional<Failure> hasty;                                    // what asks for more time, most of all
+  std::optional<Refusal> hasty;                                    // what asks for more time, most of all
   double worst = 1.0;
   for (std::size_t i = 1; i <= last; ++i) {
     const double h = t[i] - t[i - 1];
     q[i] = again ? task.looked[i] : q[i - 1];
-    if (!again && i > 1) integrate(*robot_, q[i], step[i - 1], h);
+    if (!again && (moving || i > 1)) integrate(*robot_, q[i], i > 1 ? step[i - 1] : task.from.dq, h);
     const IkResult result = coarse_.solve(task.segment.targets(path, timing, t[i]), q[i - 1],
                                           std::numeric_limits<double>::infinity(), q[i], kSurveyIterations);
     difference(*robot_, step[i], h, q[i - 1], q[i]);
@@ -290,15 +299,12 @@ std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, 
   const Part part = motion.goal.guided;
   const int ticks = timing.ticks();
   motion.samples.assign(static_cast<std::size_t>(ticks) + 1, {});
-  std::size_t phase = 0;
-  int phase_end = motion.phases[0].ticks;
+  set_contacts(motion);
+  const bool moving = !task.from.dq.isZero(0.0);
   IkTargets targets;
   double hand_residual = 0.0;
   for (int k = 0; k <= ticks; ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
-    while (phase + 1 < motion.phases.size() && k >= phase_end)
-      phase_end += motion.phases[++phase].ticks;
-    sample.contact = motion.phases[phase].contact;
     targets = task.segment.targets(motion.com, timing, k * dt);
     const ComState com = motion.com.at(k * dt);
     sample.com = com.p;
@@ -310,6 +316,7 @@ std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, 
     }
     const VecX& previous = motion.samples[static_cast<std::size_t>(k) - 1].q;
     sample.q = previous;
+    if (k == 1 && moving) integrate(*robot_, sample.q, task.from.dq, dt);
     if (k > 1) {  // linearise where the joints would go by themselves
       const VecX& earlier = motion.samples[static_cast<std::size_t>(k) - 2].q;
       sample.q.tail(robot_->nv() - 6) += (previous - earlier).tail(robot_->nv() - 6);
@@ -332,12 +339,14 @@ std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, 
   }
   if (hand_residual > tolerance.hand) return Refusal{Reason::unreachable, part, hand_residual, tolerance.hand, "hand"};
 
-  differentiate(*robot_, task.from.dq, motion);
+  motion.dq0 = task.from.dq - 0.5 * dt * task.from.ddq;
+  differentiate(*robot_, motion);
 
   const Kinematics& last = ik_.kinematics();
   Posture& end = motion.end;
   end.q = motion.samples.back().q;
   end.dq = VecX::Zero(robot_->nv());
+  end.ddq = VecX::Zero(robot_->nv());
   end.com = motion.goal.com;
   end.dcom.setZero();
   end.trunk = last.trunk().R;

@@ -25,7 +25,10 @@ class Planner {
   /// tick. What speaks against a candidate says whether a longer duration may mend it and which; what none mends
   /// (collision, joint limit, reach) ends the search. A pure function of its arguments.
   /// @param anchor planning frame in the world
-  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor);
+  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor) {
+    return plan(from, goal, anchor, rule_);
+  }
+  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, DurationRule rule);
 
   /// The way back along an executed motion, verified again.
   [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor);
@@ -49,6 +52,8 @@ class Planner {
   [[nodiscard]] static Failure judged(Refusal refusal, const Motion& motion);
   /// The COM of a candidate and a look along it.
   [[nodiscard]] std::optional<Failure> look(Task& task, const Timing& timing, Motion& motion);
+  /// Verifies a motion that has its joint paths, and completes it.
+  [[nodiscard]] std::optional<Refusal> certify(Motion& motion, const Pose& anchor);
   /// The same candidate worked out and verified at every tick.
   [[nodiscard]] std::optional<Failure> finish(Task& task, const Timing& timing, Motion& motion);
   /// How to divide a duration: as near to the shares as the point mass can do it, on the way to the division of the
@@ -56,7 +61,7 @@ class Planner {
   [[nodiscard]] std::optional<Timing> timing(const Segment& segment, const Timing& shortest, int ticks);
   /// A look at a candidate, a few postures only: what certainly fails is not worth more; else the limbs' part in its
   /// ZMP.
-  [[nodiscard]] std::variant<VrpOffset, Failure> survey(Task& task, const ComPath& path, const Timing& timing);
+  [[nodiscard]] std::variant<VrpOffset, Refusal> survey(Task& task, const ComPath& path, const Timing& timing);
   /// Joint paths of a candidate; a refusal if inverse kinematics cannot follow.
   [[nodiscard]] std::optional<Refusal> realise(const Task& task, const Timing& timing, Motion& motion);
 

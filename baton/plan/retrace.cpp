@@ -1,17 +1,59 @@
 #include "baton/plan/retrace.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "baton/model/kinematics.hpp"
 
 namespace baton {
 
-Trail trail_of(const Posture& start, const Motion& motion) {
-  Trail trail{start, motion.goal, motion.phases, {}};
-  trail.points.reserve(motion.samples.size());
+namespace {
+
+Trail::Piece piece_of(const Motion& motion) {
+  auto points = std::make_shared<std::vector<Trail::Point>>();
+  points->reserve(motion.samples.size());
   for (const MotionSample& sample : motion.samples)
-    trail.points.push_back({sample.q, sample.com, sample.sole});
+    points->push_back({sample.q, sample.com, sample.sole});
+  return {std::move(points), motion.phases, motion.goal, motion.ticks()};
+}
+
+}  // namespace
+
+int Trail::ticks() const {
+  int sum = 0;
+  for (const Piece& piece : pieces)
+    sum += piece.ticks;
+  return sum;
+}
+
+Trail trail_of(const Posture& start, const Motion& motion) {
+  return {start, {piece_of(motion)}};
+}
+
+Trail continued(Trail trail, int ticks, const Motion& next) {
+  trail.pieces.back().ticks = ticks;
+  trail.pieces.push_back(piece_of(next));
   return trail;
+}
+
+std::vector<Halt> halts(const Trail& trail) {
+  std::vector<Halt> found;
+  int passed = 0;
+  for (std::size_t k = trail.pieces.size() - 1; k > 0; --k) {
+    passed += trail.pieces[k].ticks;
+    const Trail::Piece& replaced = trail.pieces[k - 1];
+    const ContactPhase& last = replaced.phases.back();
+    const bool settles = replaced.ticks >= replaced.planned() - last.ticks;
+    if (settles && last.contact.left && last.contact.right) found.push_back({k - 1, passed});
+  }
+  return found;
+}
+
+Trail trail_to(const Trail& trail, const Halt& halt) {
+  const auto end = trail.pieces.begin() + static_cast<std::ptrdiff_t>(halt.piece) + 1;
+  Trail way{trail.start, {trail.pieces.begin(), end}};
+  way.pieces.back().ticks = way.pieces.back().planned();
+  return way;
 }
 
 Motion reversed(const RobotModel& robot, const Trail& trail) {
@@ -20,7 +62,7 @@ Motion reversed(const RobotModel& robot, const Trail& trail) {
   motion.retraces = true;
   motion.end = trail.start;
   Goal& goal = motion.goal;
-  goal = trail.goal;
+  goal = trail.pieces.back().goal;
   goal.sole = trail.start.sole;
   goal.contact = trail.start.contact;
   goal.com = trail.start.com;
@@ -32,39 +74,52 @@ Motion reversed(const RobotModel& robot, const Trail& trail) {
   for (const Side side : kSides) {
     if (goal.hand[side]) goal.hand[side] = trail.start.hand[side];
   }
-  motion.phases.assign(trail.phases.rbegin(), trail.phases.rend());
-  for (auto point = trail.points.rbegin(); point != trail.points.rend(); ++point) {
-    MotionSample sample;
-    sample.q = point->q;
-    sample.com = point->com;
-    sample.sole = point->sole;
-    motion.samples.push_back(std::move(sample));
+  int last = 1;  // a motion that was replaced hands its last sample to the next
+  for (auto piece = trail.pieces.rbegin(); piece != trail.pieces.rend(); ++piece) {
+    std::vector<ContactPhase> phases;
+    for (int left = piece->ticks; left > 0; left -= phases.back().ticks) {
+      phases.push_back(piece->phases[phases.size()]);
+      phases.back().ticks = std::min(phases.back().ticks, left);
+    }
+    motion.phases.insert(motion.phases.end(), phases.rbegin(), phases.rend());
+    for (int k = piece->ticks - 1 + std::exchange(last, 0); k >= 0; --k) {
+      const Trail::Point& point = (*piece->points)[static_cast<std::size_t>(k)];
+      MotionSample sample;
+      sample.q = point.q;
+      sample.com = point.com;
+      sample.sole = point.sole;
+      motion.samples.push_back(std::move(sample));
+    }
   }
-  // A sample where two phases meet belongs to the later one.
-  std::size_t k = 0;
-  for (const ContactPhase& phase : motion.phases) {
-    for (int i = 0; i < phase.ticks; ++i)
-      motion.samples[k++].contact = phase.contact;
-  }
-  motion.samples.back().contact = motion.phases.back().contact;
-  differentiate(robot, VecX::Zero(robot.nv()), motion);
+  set_contacts(motion);
+  motion.dq0 = VecX::Zero(robot.nv());
+  differentiate(robot, motion);
   for (std::size_t i = 1; i + 1 < motion.samples.size(); ++i) {
     motion.samples[i].dcom = (motion.samples[i + 1].com - motion.samples[i - 1].com) / (2.0 * motion.period);
   }
   return motion;
 }
 
-void differentiate(const RobotModel& robot, const VecX& dq0, Motion& motion) {
+void set_contacts(Motion& motion) {
+  auto sample = motion.samples.begin();
+  for (const ContactPhase& phase : motion.phases) {
+    for (int i = 0; i < phase.ticks; ++i)
+      (sample++)->contact = phase.contact;
+  }
+  motion.samples.back().contact = motion.phases.back().contact;
+}
+
+void differentiate(const RobotModel& robot, Motion& motion) {
   const std::size_t ticks = motion.samples.size() - 1;
   std::vector<VecX> steps(ticks + 2, VecX::Zero(robot.nv()));
-  steps.front() = dq0;
+  steps.front() = motion.dq0;
   for (std::size_t k = 0; k < ticks; ++k)
     difference(robot, steps[k + 1], motion.period, motion.samples[k].q, motion.samples[k + 1].q);
   for (std::size_t k = 0; k <= ticks; ++k) {
     motion.samples[k].dq = 0.5 * (steps[k] + steps[k + 1]);
     motion.samples[k].ddq = (steps[k + 1] - steps[k]) / motion.period;
   }
-  motion.samples.front().dq = dq0;
+  if (motion.dq0.isZero(0.0)) motion.samples.front().dq.setZero();
   motion.samples.back().dq.setZero();
 }
 

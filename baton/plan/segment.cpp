@@ -23,13 +23,23 @@ BySide<bool> only(Side side) {
 
 }  // namespace
 
-Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
-    : robot_(&robot), from_(from), goal_(goal) {
+Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const PartRates& rates)
+    : robot_(&robot), from_(from), goal_(goal), rates_(rates), first_duration_(robot.profile().duration.first) {
   const Profile::Phases& profile = robot.profile().phases;
+  enum class Swing { none, step, lift, lower, air };
+  const auto kind = [&] {
+    if (!goal.swing) return Swing::none;
+    if (from.contact[*goal.swing]) return goal.contact[*goal.swing] ? Swing::step : Swing::lift;
+    return goal.contact[*goal.swing] ? Swing::lower : Swing::air;
+  }();
   const BySide<bool> both{true, true};
+  const bool moving = !from.dq.isZero(0.0);
+  const std::array<double, 3>& step = moving ? profile.flow : profile.step;
   std::vector<double> shares{1.0};
   contact_ = {both};
   std::vector<VrpKnot> knots;
+  // The COM goes on with the acceleration that it has.
+  const Vec3 drive = from.com - from.ddcom / (robot.omega() * robot.omega());
   const auto wish = [&](double t, const Vec3& place, double weight) {
     const Vec3 level = from.com + t / static_cast<double>(contact_.size()) * (goal.com - from.com);
     knots.push_back({t, Vec3(place.x(), place.y(), level.z()), weight});
@@ -40,9 +50,15 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
   // bound.
   const std::array<double, 4>& w = profile.weights;
   const Vec3 stance = goal.swing ? from.sole[other(*goal.swing)].p : from.com;
-  switch (goal.kind) {
-    case SegmentKind::step:
-      shares.assign(profile.step.begin(), profile.step.end());
+  switch (kind) {
+    case Swing::step:
+      shares.assign(step.begin(), step.end());
+      if (from.lift_off && from.lift_off->side == *goal.swing) {  // the weight is on its way already
+        const double swing = step[1] * first_duration_;
+        const double after = step[2] * first_duration_;
+        first_duration_ = from.lift_off->left + swing + after;
+        shares = {from.lift_off->left / first_duration_, swing / first_duration_, after / first_duration_};
+      }
       contact_ = {both, only(other(*goal.swing)), both};
       wish(0.0, from.com, w[0]);
       wish(0.7, from.com, w[0]);
@@ -53,7 +69,7 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       wish(2.3, goal.com, w[3]);
       wish(3.0, goal.com, w[3]);
       break;
-    case SegmentKind::lift:
+    case Swing::lift:
       shares.assign(profile.lift.begin(), profile.lift.end());
       contact_ = {both, only(other(*goal.swing))};
       wish(0.0, from.com, w[0]);
@@ -62,8 +78,12 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       wish(1.5, stance, w[1]);
       wish(2.0, goal.com, w[2]);
       break;
-    case SegmentKind::lower:
+    case Swing::lower:
       shares.assign(profile.lower.begin(), profile.lower.end());
+      if (from.flight) {  // the swing takes what is left of it, and after it as long as after a step
+        first_duration_ = from.flight->left + step[2] * first_duration_;
+        shares = {from.flight->left / first_duration_, 1.0 - from.flight->left / first_duration_};
+      }
       contact_ = {only(other(*goal.swing)), both};
       wish(0.0, from.com, w[1]);
       wish(0.5, stance, w[2]);
@@ -71,17 +91,20 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal)
       wish(1.5, goal.com, w[3]);
       wish(2.0, goal.com, w[3]);
       break;
-    case SegmentKind::air:
+    case Swing::air:
       contact_ = {only(other(*goal.swing))};
       [[fallthrough]];
-    case SegmentKind::shift:
-    case SegmentKind::reach:
+    case Swing::none:
       for (int k = 0; k <= kShiftKnots; ++k)
         wish(static_cast<double>(k) / kShiftKnots, 2 * k < kShiftKnots ? from.com : goal.com, 1.0);
       break;
   }
+  knots.front().wish = drive;
   const double plane = std::min(support_plane(from.sole, from.contact), support_plane(goal.sole, goal.contact));
-  com_ = {robot.omega(), from.com, from.dcom, goal.com, plane, robot.profile().margin.zmp_plan, {}, std::move(knots)};
+  com_ = {robot.omega(),   from.com, from.dcom, goal.com, plane, robot.profile().margin.zmp_plan, {}, {},
+          std::move(knots)};
+  if (!(from.contact_before.left && from.contact_before.right))
+    com_.at_start = support_polygon(robot, from.sole, from.contact_before, from.com, plane);
   for (std::size_t i = 0; i < shares.size(); ++i) {
     // Soles move only while they are up: before the swing all are where they were, after it where they go.
     const BySide<Pose>& sole = i == 0 ? from.sole : goal.sole;
@@ -101,8 +124,9 @@ double Segment::least_gap() const {
   const ConvexPolygon stance = sole_outline(*robot_, other(side), from_.sole[other(side)]);
   double least = std::numeric_limits<double>::infinity();
   constexpr int kSamples = 20;
+  const double duration = from_.flight ? from_.flight->left : 1.0;
   for (int k = 1; k < kSamples; ++k) {
-    const Pose sole = swing(static_cast<double>(k) / kSamples, 1.0);
+    const Pose sole = swing(duration * k / kSamples, duration);
     least = std::min(least, separation(sole_outline(*robot_, side, sole), stance));
   }
   return least;
@@ -128,6 +152,28 @@ std::vector<ContactPhase> Segment::phases(const Timing& timing) const {
   return phases;
 }
 
+Vec2 Segment::apex(double duration) const {
+  const Side side = *goal_.swing;
+  const double from = from_.sole[side].p.z();
+  const double to = goal_.sole[side].p.z();
+  if (!goal_.contact[side]) return {0.0, from};
+  const double clearance = robot_->profile().swing.clearance;
+  if (from_.contact[side]) {
+    const double share = to - from < -kLevel ? 0.4 : (to - from > kLevel ? 0.6 : 0.5);
+    return {share * duration, std::max(from, to) + clearance};
+  }
+  if (!from_.flight || from_.flight->rise <= 0.0) return {0.0, from};
+  return {from_.flight->rise / from_.flight->left * duration, std::max(from_.flight->apex, to + clearance)};
+}
+
+Vec2 Segment::apex(const Timing& timing) const {
+  const std::optional<std::size_t> phase = swing_phase();
+  if (!phase) return Vec2::Zero();
+  const double begin = timing.border[*phase] * timing.period;
+  const Vec2 in_swing = apex(timing.border[*phase + 1] * timing.period - begin);
+  return {begin + in_swing.x(), in_swing.y()};
+}
+
 Pose Segment::swing(double t, double duration) const {
   const Side side = *goal_.swing;
   const Pose& a = from_.sole[side];
@@ -136,25 +182,34 @@ Pose Segment::swing(double t, double duration) const {
   // Edges are cleared by moving forward late on the way up and early on the way down.
   double begin = 0.0;
   double end = 1.0;
+  const bool stood = from_.contact[side];
   const bool lands = goal_.contact[side];
-  if (goal_.kind == SegmentKind::step && rise > kLevel) begin = 0.3;
-  if (goal_.kind == SegmentKind::step && rise < -kLevel) end = 0.7;
-  if (goal_.kind == SegmentKind::lift) begin = 0.2;
-  if (goal_.kind == SegmentKind::lower) end = 0.8;
+  if (stood && lands && rise > kLevel) begin = 0.3;
+  if (stood && lands && rise < -kLevel) end = 0.7;
+  if (stood && !lands) begin = 0.2;
+  if (!stood && lands && !from_.flight) end = 0.8;
+  if (from_.flight && lands && b.p.z() < from_.sole[other(side)].p.z() - kLevel) end = 0.6;
   const double s = smooth_step(t - begin * duration, (end - begin) * duration).x;
+  const PoseRate& rate = rates_.sole[side];
+  const Carry on = carry(t, end * duration);
   Pose pose;
-  pose.p = a.p + s * (b.p - a.p);
+  pose.p = a.p + s * (b.p - a.p) + on.velocity * rate.v + on.acceleration * rate.a;
   const double bow = 16.0 * s * s * (1.0 - s) * (1.0 - s);
   pose.p += from_.sole[other(side)].R * Vec3(0, sign_of(side) * outward_ * bow, 0);
-  pose.R = interpolate(a.R, b.R, s);
-  if (goal_.kind == SegmentKind::step && lands) {
-    // Up to the apex and down again: two quintics, smooth to the second derivative.
-    const double apex = std::max(a.p.z(), b.p.z()) + robot_->profile().swing.clearance;
-    const double up = rise < -kLevel ? 0.4 * duration : (rise > kLevel ? 0.6 * duration : 0.5 * duration);
-    pose.p.z() = t < up ? a.p.z() + (apex - a.p.z()) * smooth_step(t, up).x
-                        : apex + (b.p.z() - apex) * smooth_step(t - up, duration - up).x;
+  pose.R = rotation_exp(on.velocity * rate.rate + on.acceleration * rate.rate_change) * interpolate(a.R, b.R, s);
+  // Up to the apex and down again: two quintics, smooth to the second derivative.
+  const Vec2 top = apex(duration);
+  const double up = top.x();
+  if (t < up) {
+    const Carry rising = carry(t, up);
+    pose.p.z() = a.p.z() + (top.y() - a.p.z()) * smooth_step(t, up).x + rising.velocity * rate.v.z() +
+                 rising.acceleration * rate.a.z();
+  } else if (up > 0.0) {
+    pose.p.z() = top.y() + (b.p.z() - top.y()) * smooth_step(t - up, duration - up).x;
   } else {
-    pose.p.z() = a.p.z() + rise * smooth_step(t, duration).x;
+    const Carry going = carry(t, duration);
+    pose.p.z() =
+        a.p.z() + rise * smooth_step(t, duration).x + going.velocity * rate.v.z() + going.acceleration * rate.a.z();
   }
   return pose;
 }
@@ -175,15 +230,21 @@ IkTargets Segment::targets(const ComPath& path, const Timing& timing, double t) 
     }
   }
   const double s = smooth_step(t, T).x;
-  targets.trunk = interpolate(from_.trunk, goal_.trunk, s);
+  const Carry on = carry(t, T);
+  targets.trunk = rotation_exp(on.velocity * rates_.trunk.rate + on.acceleration * rates_.trunk.rate_change) *
+                  interpolate(from_.trunk, goal_.trunk, s);
   for (const Side side : kSides) {
     if (!goal_.hand[side]) continue;
     const Pose& a = from_.hand[side];
     const Pose& b = *goal_.hand[side];
-    targets.hand[side] = Pose{a.p + s * (b.p - a.p), interpolate(a.R, b.R, s)};
+    const PoseRate& rate = rates_.hand[side];
+    targets.hand[side] =
+        Pose{a.p + s * (b.p - a.p) + on.velocity * rate.v + on.acceleration * rate.a,
+             rotation_exp(on.velocity * rate.rate + on.acceleration * rate.rate_change) * interpolate(a.R, b.R, s)};
   }
   const auto start = from_.q.tail(goal_.arms.size());
-  targets.arms = start + s * (goal_.arms - start);
+  targets.arms = start + s * (goal_.arms - start) + on.velocity * from_.dq.tail(start.size()) +
+                 on.acceleration * from_.ddq.tail(start.size());
   return targets;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "baton/ik/inverse_kinematics.hpp"
+#include "baton/ik/moving.hpp"
 #include "baton/motion/goal.hpp"
 #include "baton/motion/motion.hpp"
 #include "baton/plan/com_plan.hpp"
@@ -11,11 +12,19 @@ namespace baton {
 
 class Segment {
  public:
-  /// Which phases a kind of segment has: step = double–single–double support, lift = double–single, lower =
-  /// single–double, air = single, shift and reach = double.
-  Segment(const RobotModel& robot, const Posture& from, const Goal& goal);
+  /// Which phases a segment has: a foot that stands and lands, double–single–double support (a step); that stands and
+  /// stays up, double–single (lift); that is up and lands, single–double (lower, or the rest of a step); that is up and
+  /// stays so, single (air); no foot, double (shift, reach).
+  /// @param rates how the parts move in `from`: their paths go on from there
+  Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const PartRates& rates = {});
 
   [[nodiscard]] const ComProblem& com() const { return com_; }
+
+  /// The duration to be tried first [s].
+  [[nodiscard]] double first_duration() const { return first_duration_; }
+
+  /// When the swing foot is highest, and how high that is: time [s] and height [m].
+  [[nodiscard]] Vec2 apex(const Timing& timing) const;
 
   /// The phase in which a foot is in the air and moves; none: no foot moves.
   [[nodiscard]] std::optional<std::size_t> swing_phase() const;
@@ -29,6 +38,8 @@ class Segment {
   [[nodiscard]] IkTargets targets(const ComPath& path, const Timing& timing, double t) const;
 
  private:
+  /// When and how high the apex of a swing that takes `duration` is: [s], [m].
+  [[nodiscard]] Vec2 apex(double duration) const;
   /// The swing foot at `t` of a swing that takes `duration` [s].
   [[nodiscard]] Pose swing(double t, double duration) const;
   /// Least gap of the two soles' outlines along the swing [m].
@@ -37,7 +48,9 @@ class Segment {
   const RobotModel* robot_;
   Posture from_;
   Goal goal_;
+  PartRates rates_;
   std::vector<BySide<bool>> contact_;  ///< by phase
+  double first_duration_ = 0.0;
   ComProblem com_;
   double outward_ = 0.0;  ///< how far the swing bends away from the stance foot, to keep the gap [m]
 };

@@ -171,7 +171,7 @@ void SimulatedRobot::check_fall() {
     }
   }
   kinematics_.set(truth_.q);
-  const double tilt = std::acos(std::clamp(kinematics_.trunk().R(2, 2), -1.0, 1.0));
+  const double tilt = tilt_of(kinematics_.trunk().R);
   if (!(tilt <= kFallenTilt)) return fall(fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI));
   const double ground = std::min(kinematics_.sole(Side::left).p.z(), kinematics_.sole(Side::right).p.z());
   const double height = kinematics_.com().z() - ground;

@@ -8,7 +8,14 @@
 namespace baton {
 namespace {
 
-constexpr double kMissing = 1e-3;        ///< share of the weight that vertex forces may leave, a rounding
+constexpr double kMissing = 1e-3;      ///< share of the weight that vertex forces may leave, a rounding
+constexpr double kMissingBack = 2e-2;  ///< the same on the way back
+constexpr double kSlack = 1e-5;        ///< by which a distance that is too small already may shrink [m]
+constexpr double kMuchFriction = 0.6;  ///< share of the limit above which they are sought at every tick
+constexpr double kClearance = 0.2;     ///< share of the swing's clearance that a foot has wherever it travels
+constexpr double kRise = 0.3;          ///< height over way, where it leaves the ground and where it lands
+constexpr double kContact = -2e-4;     ///< height at which a sole leaves the ground it stood on, and meets the next [m]
+constexpr double kMarginStep = 0.25;   ///< of the margin to edges, where a foot stands nearer already
 constexpr double kForcesSpacing = 0.02;  ///< between instants at which they are sought [s]
 
 /// Whether a quantity is bounded from above (or from below).
@@ -38,14 +45,12 @@ bool is_finite(const MotionSample& sample) {
 /// one that none does.
 class Verifier::Ledger {
  public:
-  /// Returns false from the first violation on.
-  bool enter(Reason quantity, Part part, double value, double limit, double t, int subject) {
+  void enter(Reason quantity, Part part, double value, double limit, double t, int subject) {
     const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
     if (!(slack >= 0.0) && (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity))))
       violation_ = quantity;
-    return !violation_;
   }
 
   [[nodiscard]] bool violated() const { return violation_.has_value(); }
@@ -97,7 +102,7 @@ Verifier::Verifier(const RobotModel& robot, const World& world)
   }
 }
 
-void Verifier::check_joints(const MotionSample& sample, double t, Ledger& ledger) const {
+void Verifier::check_joints(const MotionSample& sample, double jump, double t, Ledger& ledger) const {
   const double margin = robot_->profile().margin.joint;
   const double most = robot_->profile().margin.acceleration;
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
@@ -108,31 +113,52 @@ void Verifier::check_joints(const MotionSample& sample, double t, Ledger& ledger
     const auto subject = static_cast<int>(j);
     ledger.enter(Reason::joint_limit, Part::trunk, room, margin, t, subject);
     ledger.enter(Reason::joint_speed, Part::trunk, std::abs(sample.dq[6 + i]), joint.speed, t, subject);
-    ledger.enter(Reason::joint_acceleration, Part::trunk, std::abs(sample.ddq[6 + i]), most, t, subject);
+    ledger.enter(Reason::joint_acceleration, Part::trunk, jump * std::abs(sample.ddq[6 + i]), most, t, subject);
   }
 }
 
-void Verifier::check_wrench(const Motion& motion, int tick, double t, Ledger& ledger) {
+void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) {
   const Profile::Margin& margin = robot_->profile().margin;
-  const auto& samples = motion.samples;
-  const MotionSample& sample = samples[static_cast<std::size_t>(tick)];
+  auto& samples = motion.samples;
+  MotionSample& sample = samples[static_cast<std::size_t>(tick)];
   const Wrench total = ground_wrench(kinematics_, sample.force);
+  sample.zmp_height = support_plane(sample.sole, sample.contact);
+  sample.zmp = total.zmp(sample.zmp_height);
   // Where phases meet, the ZMP must suit the soles that stand on both sides.
-  const auto& before = samples[static_cast<std::size_t>(std::max(tick - 1, 0))].contact;
+  const auto& before = tick == 0 ? motion.contact_before : samples[static_cast<std::size_t>(tick) - 1].contact;
   const BySide<bool> contact{sample.contact.left && before.left, sample.contact.right && before.right};
-  const ConvexPolygon support = support_polygon(*robot_, sample.sole, contact, sample.com, sample.zmp_height);
-  ledger.enter(Reason::zmp, Part::trunk, support.margin(sample.zmp), margin.zmp_verify, t, -1);
-  ledger.enter(Reason::friction, Part::trunk, total.force.head<2>().norm() / total.force.z(), margin.friction, t, -1);
-  if (tick % forces_every_ == 0) {
+  const bool changes = before.left != sample.contact.left || before.right != sample.contact.right;
+  const auto support = [&](const BySide<bool>& standing) {
+    return support_polygon(*robot_, sample.sole, standing, sample.com, sample.zmp_height);
+  };
+  const bool level = on_one_plane(sample.sole, sample.contact, sample.zmp_height);
+  if (tick > 0 && !changes && level) {
+    sample.zmp_region = samples[static_cast<std::size_t>(tick) - 1].zmp_region;
+  } else {
+    support_ = support(sample.contact);
+    sample.zmp_region = std::make_shared<const ConvexPolygon>(support_.inset(margin.zmp_feedback));
+  }
+  const double inside = changes ? support(contact).margin(sample.zmp) : support_.margin(sample.zmp);
+  ledger.enter(Reason::zmp, Part::trunk, inside, margin.zmp_verify, t, -1);
+  const double friction = total.force.head<2>().norm() / total.force.z();
+  ledger.enter(Reason::friction, Part::trunk, friction, margin.friction, t, -1);
+  if (tick % forces_every_ == 0 || changes || friction > kMuchFriction * margin.friction) {
+    // On the way back the same forces act as on the way there, where other ticks were looked at.
+    const double most = motion.retraces ? kMissingBack : kMissing;
     const double missing = forces_.missing(sample.sole, contact, total, sample.com);
-    ledger.enter(Reason::contact_wrench, Part::trunk, missing, kMissing, t, -1);
+    ledger.enter(Reason::contact_wrench, Part::trunk, missing, most, t, -1);
   }
-  joint_torques(kinematics_, sample.force, share_wrench(*robot_, sample.sole, sample.contact, total), tau_);
-  for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
-    const auto i = static_cast<Eigen::Index>(j);
-    const double load = robot_->joints()[j].motor.load(tau_[i], sample.dq[6 + i]);
-    ledger.enter(Reason::joint_torque, Part::trunk, load, margin.torque, t, static_cast<int>(j));
-  }
+  const auto check_torques = [&](const BySide<bool>& standing) {
+    joint_torques(kinematics_, sample.force, share_wrench(*robot_, sample.sole, standing, total), tau_);
+    for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+      const auto i = static_cast<Eigen::Index>(j);
+      const double load = robot_->joints()[j].motor.load(tau_[i], sample.dq[6 + i]);
+      ledger.enter(Reason::joint_torque, Part::trunk, load, margin.torque, t, static_cast<int>(j));
+    }
+  };
+  check_torques(sample.contact);
+  // What stood until now stands here on the way back.
+  if (changes) check_torques(before);
 }
 
 void Verifier::check_tracking(const MotionSample& sample, double t, Ledger& ledger) {
@@ -150,31 +176,64 @@ void Verifier::check_tracking(const MotionSample& sample, double t, Ledger& ledg
   ledger.enter(Reason::unreachable, Part::trunk, residual * ik.position, kRounding * ik.position, t, -1);
 }
 
-void Verifier::check_soles(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) const {
+double Verifier::edge_margin(const Motion& motion) const {
+  // Where a foot stood it may stand again, though a millimetre of slip has taken it into the margin.
+  return motion.retraces ? 0.0 : robot_->profile().margin.edge;
+}
+
+double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
+  const double most = edge_margin(motion);
+  const auto up = std::find_if(motion.samples.begin(), motion.samples.end(),
+                               [](const MotionSample& s) { return !s.contact.left || !s.contact.right; });
+  if (most == 0.0 || up == motion.samples.end()) return most;
+  const Side swing = up->contact.left ? Side::right : Side::left;
+  const Pose from = anchor * motion.lift_off;
+  const ConvexPolygon outline = sole_outline(*robot_, swing, from);
+  for (double margin = most; margin > 0.0; margin -= kMarginStep * most) {
+    if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContact) return margin;
+  }
+  return 0.0;
+}
+
+double Verifier::clearance(const Motion& motion, std::size_t tick) const {
+  const MotionSample& sample = motion.samples[tick];
+  const Side swing = sample.contact.left ? Side::right : Side::left;
+  const MotionSample& end = motion.samples.back();
+  if (motion.retraces || !end.contact[swing]) return 0.0;
+  const auto travel = [&](const Pose& there) {
+    const double turn = wrap_angle(yaw_of(there.R) - yaw_of(sample.sole[swing].R));
+    return (there.p - sample.sole[swing].p).head<2>().norm() + std::abs(turn) * robot_->profile().reach.foot;
+  };
+  const double way = std::min(travel(motion.lift_off), travel(end.sole[swing]));
+  return std::min(kClearance * robot_->profile().swing.clearance, kRise * way);
+}
+
+void Verifier::check_soles(const Motion& motion, std::size_t tick, const Pose& anchor, Ledger& ledger) const {
   const Profile& profile = robot_->profile();
+  const MotionSample& sample = motion.samples[tick];
+  const double t = static_cast<double>(tick) * motion.period;
   if (sample.contact.left && sample.contact.right) return;
   const Side swing = sample.contact.left ? Side::right : Side::left;
   const ConvexPolygon outline = sole_outline(*robot_, swing, sample.sole[swing]);
   const ConvexPolygon stance = sole_outline(*robot_, other(swing), sample.sole[other(swing)]);
   ledger.enter(Reason::sole_gap, foot(swing), separation(outline, stance), profile.region.sole_gap, t, -1);
   const Pose in_world = anchor * sample.sole[swing];
-  const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-profile.margin.edge));
-  constexpr double kContact = -2e-4;  // the sole leaves the ground it stood on, and meets the next
-  ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, kContact, t, -1);
+  const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-swing_margin_));
+  const double least = kContact + clearance(motion, tick);
+  ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, least, t, -1);
 }
 
 void Verifier::check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const {
-  // The soles that stand at the start stand already; what lands must find ground. Where a foot stood it may stand
-  // again, though a millimetre of slip has taken it into the margin.
+  // The soles that stand at the start stand already; what lands must find ground.
   const Profile& profile = robot_->profile();
-  const double edge = motion.retraces ? 0.0 : profile.margin.edge;
   std::size_t tick = 0;
   for (std::size_t i = 1; i < motion.phases.size(); ++i) {
     tick += static_cast<std::size_t>(motion.phases[i - 1].ticks);
     for (const Side side : kSides) {
       if (!motion.phases[i].contact[side] || motion.phases[i - 1].contact[side]) continue;
       const Pose sole = anchor * motion.samples[tick].sole[side];
-      const Foothold foothold = world_->foothold(sole_outline(*robot_, side, sole), profile.ground, edge);
+      const Foothold foothold =
+          world_->foothold(sole_outline(*robot_, side, sole), profile.ground, edge_margin(motion));
       const double off = foothold.flat ? std::abs(sole.p.z() - foothold.height)
                                        : std::max(foothold.deviation, 2.0 * profile.ground.flatness);
       ledger.enter(Reason::ground, foot(side), off, profile.ground.flatness, static_cast<double>(tick) * motion.period,
@@ -208,10 +267,13 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
     gap.room -= approach;
     return first || gap.room < gap.least;
   };
+  // Where it is nearer than the margin already, after a slip, it must come no nearer: else it could not leave.
   const auto enter = [&](Gap& gap, Reason reason, double distance, int pair) {
+    const bool near_already = distance > 0.0 && distance < margin.self_collision;
+    if (first) gap.limit = near_already ? distance - kSlack : margin.self_collision;
     gap.room = distance;
     gap.least = std::min({gap.least, distance, near});
-    ledger.enter(reason, Part::trunk, std::min(distance, near), margin.self_collision, t, distance < near ? pair : -1);
+    ledger.enter(reason, Part::trunk, std::min(distance, near), gap.limit, t, distance < near ? pair : -1);
   };
   if (due(self_gap_, 2.0 * moved)) {
     std::array<int, 2> pair{-1, -1};
@@ -243,12 +305,15 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     return fmt::format("{} and {}", name_of(robot_->mj(), mjOBJ_GEOM, subject / n),
                        name_of(robot_->mj(), mjOBJ_GEOM, subject % n));
   };
+  swing_margin_ = swing_margin(motion, anchor);
   // What is cheap first, and to the end: how far a speed is off says how much longer the motion must take.
   for (int k = 0; k <= motion.ticks(); ++k) {
     const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     if (!is_finite(sample)) return Refusal{Reason::not_finite, Part::trunk, 0, 0, ""};
-    check_joints(sample, k * motion.period, ledger);
-    check_soles(sample, anchor, k * motion.period, ledger);
+    // Where one motion ends at rest and the next begins at once, both come together.
+    const bool rests = k == motion.ticks() || (k == 0 && motion.dq0.isZero(0.0));
+    check_joints(sample, rests ? 2.0 : 1.0, k * motion.period, ledger);
+    check_soles(motion, static_cast<std::size_t>(k), anchor, ledger);
   }
   check_footholds(motion, anchor, ledger);
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
@@ -256,8 +321,6 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     const double t = k * motion.period;
     sample.force.resize(robot_->nv());
     kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
-    sample.zmp_height = support_plane(sample.sole, sample.contact);
-    sample.zmp = ground_wrench(kinematics_, sample.force).zmp(sample.zmp_height);
     check_tracking(sample, t, ledger);
     check_wrench(motion, k, t, ledger);
     check_distances(sample, anchor, k == 0, t, ledger);

@@ -18,10 +18,10 @@ class Verifier {
   Verifier(const RobotModel& robot, const World& world);
 
   /// Checks joint positions, speeds, accelerations and torques (one Motor model), what inverse kinematics left between
-  /// posture and plan, the contact wrench of the whole body (ZMP and friction at every tick, forces at the soles'
-  /// vertices every 20 ms), the gap of the soles, the swing sole over the ground, the footholds, self-collision and
-  /// obstacles (wherever links have moved far enough to change the least distance). Ends at a violation. Fills in
-  /// `force`, `zmp` and `zmp_height` of the samples on the way.
+  /// posture and plan, the contact wrench of the whole body (ZMP and friction at every tick; forces at the soles'
+  /// vertices every 20 ms, where phases meet, and wherever the friction is large), the gap of the soles, the swing sole
+  /// over the ground, the footholds, self-collision and obstacles (wherever links have moved far enough to change the
+  /// least distance). Ends at a violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
   [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor);
@@ -29,14 +29,22 @@ class Verifier {
  private:
   class Ledger;
 
-  void check_joints(const MotionSample& sample, double t, Ledger& ledger) const;
-  void check_wrench(const Motion& motion, int tick, double t, Ledger& ledger);
+  /// @param jump factor by which accelerations count
+  void check_joints(const MotionSample& sample, double jump, double t, Ledger& ledger) const;
+  void check_wrench(Motion& motion, int tick, double t, Ledger& ledger);
   void check_tracking(const MotionSample& sample, double t, Ledger& ledger);
   void check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const;
   void check_distances(const MotionSample& sample, const Pose& anchor, bool first, double t, Ledger& ledger);
   /// How far any point of a link may have moved since the last call [m]: a bound from above.
   [[nodiscard]] double travel();
-  void check_soles(const MotionSample& sample, const Pose& anchor, double t, Ledger& ledger) const;
+  void check_soles(const Motion& motion, std::size_t tick, const Pose& anchor, Ledger& ledger) const;
+  /// How high a foot that is to land must be over the ground there [m]: enough not to scrape, however it follows.
+  [[nodiscard]] double clearance(const Motion& motion, std::size_t tick) const;
+  /// How far from edges soles are to be kept [m].
+  [[nodiscard]] double edge_margin(const Motion& motion) const;
+  /// How far the swing foot stays from higher ground beside it: as far as it should land, or as it stands, after a
+  /// slip: else it could not leave.
+  [[nodiscard]] double swing_margin(const Motion& motion, const Pose& anchor) const;
 
   const RobotModel* robot_;
   const World* world_;
@@ -44,6 +52,8 @@ class Verifier {
   VertexForces forces_;
   Obstacles obstacles_;
   VecX tau_;
+  double swing_margin_ = 0.0;
+  ConvexPolygon support_;  ///< of the soles that stand
   VecX in_world_;
   int forces_every_ = 1;  ///< [ticks]
 
@@ -51,6 +61,7 @@ class Verifier {
   struct Gap {
     double room = 0.0;                                       ///< it is no less than this [m]
     double least = std::numeric_limits<double>::infinity();  ///< so far [m]
+    double limit = 0.0;                                      ///< it must not be less than this [m]
   };
   Gap self_gap_;
   Gap world_gap_;

@@ -130,8 +130,10 @@ TEST_P(GuideTest, EveryGoalIsConsistent) {
         EXPECT_GE(support.margin(goal.com.head<2>()),
                   std::min(robot_.profile().margin.stand_on, support.margin(from.com.head<2>())) - 1e-9);
       }
-      const double height =
-          goal.com.z() - Posture{{}, {}, {}, {}, {}, goal.sole, {}, {}, goal.contact}.support_height();
+      Posture end;
+      end.sole = goal.sole;
+      end.contact = goal.contact;
+      const double height = goal.com.z() - end.support_height();
       EXPECT_GE(height, region.com_height.lo - 1e-9);
       EXPECT_LE(height, region.com_height.hi + 1e-9);
     }

@@ -6,47 +6,13 @@
 #include <random>
 
 #include "baton/ik/stand.hpp"
-#include "baton/robot/ideal_robot.hpp"
+#include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-/// A run on the ideal robot, one tick after the other; answers of the planner can be withheld.
-class Trip {
- public:
-  explicit Trip(const RobotModel& robot, Modes modes = {}, const std::string& world = "flat")
-      : world_(World::load(world)),
-        home_(stand(robot, world_.site("start"), robot.profile().stance.com_height)),
-        navigator_(robot, home_),
-        planning_(robot, world_, modes),
-        body_(robot, home_, robot.profile().tick.period) {}
-
-  const JointTarget& step(const Command& command, bool answer = true) {
-    const JointTarget& target = navigator_.tick(body_.read(), command);
-    body_.write(target);
-    if (auto problem = navigator_.request()) {
-      ++requests_;
-      if (answer) navigator_.offer(planning_.plan(*problem));
-    }
-    return target;
-  }
-
-  Navigator& navigator() { return navigator_; }
-  IdealRobot& body() { return body_; }
-  Planning& planning() { return planning_; }
-  const World& world() const { return world_; }
-  const Posture& home() const { return home_; }
-  int requests() const { return requests_; }
-
- private:
-  World world_;
-  Posture home_;
-  Navigator navigator_;
-  Planning planning_;
-  IdealRobot body_;
-  int requests_ = 0;
-};
+using test::Trip;
 
 /// Anything that a stick may ask for.
 Command anything(std::mt19937_64& random) {
@@ -165,7 +131,7 @@ TEST_P(NavigatorTest, ARefusalIsGivenOnceAndGoesWithTheCommand) {
   EXPECT_FALSE(run.navigator().refusal().has_value());
   for (int k = 0; k < 100; ++k)
     run.step(push(Part::trunk, 0));
-  EXPECT_EQ(run.navigator().committed(), 1) << "the next command is served";
+  EXPECT_GE(run.navigator().committed(), 1) << "the next command is served";
 }
 
 TEST_P(NavigatorTest, TheSameRunTwiceIsTheSameBitByBit) {
@@ -230,25 +196,29 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
   std::mt19937_64 random(21);
   int retraced = 0;
   for (const std::string world : {"flat", "room"}) {
-    for (int trial = 0; trial < 4; ++trial) {
-      Trip run(robot_, {}, world);
+    for (int trial = 0; trial < 8; ++trial) {
+      const Gait gait = trial % 2 == 0 ? Gait::stop : Gait::flow;
+      Trip run(robot_, {.gait = gait}, world);
       const double size = robot_.profile().stance.com_height / 0.26;
       std::vector<Posture> rests{run.home()};
       const auto live = [&](const Command& command) {
         const long before = run.navigator().committed();
+        const std::size_t rested = run.navigator().history();
         run.step(command);
-        return run.navigator().committed() != before;
+        if (run.navigator().committed() == before) return;
+        if (run.navigator().history() == rested) rests.pop_back();  // it never came there
+        rests.push_back(run.navigator().motion()->end);
       };
       for (int k = 0; k < 40; ++k) {
         const Command command = anything(random);
         for (int tick = 0; tick < 100; ++tick) {
-          if (live(command)) rests.push_back(run.navigator().motion()->end);
+          live(command);
         }
       }
       while (run.navigator().motion() != nullptr) {
-        if (live({})) rests.push_back(run.navigator().motion()->end);
+        live({});
       }
-      ASSERT_GT(rests.size(), 10u);
+      ASSERT_GT(rests.size(), gait == Gait::stop ? 10u : 1u);
       ASSERT_EQ(run.navigator().history(), rests.size() - 1);
       Command back;
       back.recall = Recall::retrace;
@@ -265,7 +235,9 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
         ASSERT_LT(attitude, 0.02);
         ++retraced;
       }
-      for (int k = 0; k < 1000; ++k)
+      while (run.navigator().motion() != nullptr)
+        run.step(back);
+      for (int k = 0; k < 100; ++k)
         run.step(back);
       ASSERT_EQ(run.navigator().phase(), Phase::hold);
       EXPECT_EQ(run.navigator().refusal().value_or(Refusal{}).reason, Reason::no_history);
@@ -278,7 +250,7 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
 }
 
 TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
-  Trip run(robot_);
+  Trip run(robot_, {.gait = Gait::stop});
   while (run.navigator().committed() < 3)
     run.step(push(Part::trunk, 0));
   while (run.navigator().motion() != nullptr)

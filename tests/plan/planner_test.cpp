@@ -50,22 +50,14 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
   Planner search(robot_, world_, DurationRule::search);
   const Guide guide(robot_, world_);
   std::mt19937_64 random(31);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  GuideContext context;
-  context.from = stand(robot_, Pose{}, robot_.profile().stance.com_height);
-  context.foothold = context.from.sole;
+  GuideContext context = test::at_home(robot_);
   int both = 0;
   int longer = 0;
   int only_paper = 0;
   double sum_paper = 0.0;
   double sum_search = 0.0;
-  for (int k = 0; k < 150; ++k) {
-    Command command;
-    command.guide = kParts[static_cast<std::size_t>(k) % kParts.size()];
-    for (double& axis : command.axes)
-      axis = uniform(random);
-    if (k % 3 == 0) command.lift = {1.0, 1.0};
-    const GuideResult guided = guide.goals(context, command);
+  for (std::size_t k = 0; k < 150; ++k) {
+    const GuideResult guided = guide.goals(context, test::in_turn(k, random));
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);
     if (goals == nullptr) continue;
     PlanResult a = paper.plan(context.from, goals->front(), context.anchor);
@@ -85,10 +77,7 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
       sum_paper += slow->duration();
       sum_search += quick->duration();
     }
-    context.from = slow->end;
-    for (const Side side : kSides) {
-      if (slow->goal.contact[side]) context.foothold[side] = slow->goal.sole[side];
-    }
+    test::go_on(context, *slow);
   }
   EXPECT_GT(both, 50);
   EXPECT_LE(longer, both / 10);

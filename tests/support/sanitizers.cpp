@@ -1,6 +1,7 @@
-// What the leak sanitizer is not to report: libraries that we cannot mend.
+// What the leak sanitizer is not to report: libraries that we cannot mend. The sanitizer looks the function up by name,
+// so it must be visible.
 
-extern "C" const char* __lsan_default_suppressions();
+extern "C" __attribute__((visibility("default"))) const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libOSMesa\nleak:libLLVM\nleak:libgallium\n";
 }

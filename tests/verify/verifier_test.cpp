@@ -370,7 +370,7 @@ TEST_P(VerifierTest, RefusesAnArmInTheTrunk) {
   int tried = 0;
   for (int trial = 0; trial < 2000 && tried < 20; ++trial) {
     Motion motion = step();
-    MotionSample& sample = motion.samples.front();
+    MotionSample& sample = motion.samples[4];
     for (const int j : robot_.arm(Side::left)) {
       const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
       const double lo = joint.position.lo + margin_.joint;
@@ -401,6 +401,38 @@ World floor_with_box(const std::string& name, const Vec3& centre, double half) {
                       << "<geom name=\"crate\" type=\"box\" pos=\"" << centre.transpose() << "\" size=\"" << half << " "
                       << half << " " << half << "\"/></worldbody></mujoco>\n";
   return World(file);
+}
+
+TEST_P(VerifierTest, FromTooNearAThingItMayLeaveButNotComeNearer) {
+  const Motion motion = step();
+  Kinematics kinematics(robot_);
+  kinematics.set(motion.samples.front().q);
+  const Vec3 hand_before = kinematics.hand(Side::left).p;
+  kinematics.set(motion.samples.back().q);
+  const Vec3 way = kinematics.hand(Side::left).p - hand_before;
+  const double half = 0.02 * size_;
+  for (const double direction : {1.0, -1.0}) {
+    // A crate beside the hand, moved until it is half the margin away: ahead of it or behind it.
+    double gap = 0.02 * size_;
+    double distance = 0.0;
+    std::optional<World> world;
+    for (int k = 0; k < 60; ++k) {
+      const double side = direction * (way.x() > 0.0 ? 1.0 : -1.0);
+      world.emplace(floor_with_box(GetParam(), hand_before + Vec3(side * (half + gap), 0, 0), half));
+      std::array<int, 2> pair{-1, -1};
+      distance = Obstacles(robot_, *world).distance(motion.samples.front().q, 1.0, pair);
+      if (std::abs(distance - 0.5 * margin_.self_collision) < 1e-5) break;
+      gap += 0.5 * margin_.self_collision - distance;
+    }
+    ASSERT_NEAR(distance, 0.5 * margin_.self_collision, 1e-5);
+    Verifier verifier(robot_, *world);
+    Motion moves = motion;
+    const auto verdict = verifier.verify(moves, Pose{});
+    ASSERT_EQ(std::holds_alternative<Certificate>(verdict), direction < 0.0);
+    if (const auto* refusal = std::get_if<Refusal>(&verdict)) {
+      EXPECT_EQ(refusal->reason, Reason::obstacle);
+    }
+  }
 }
 
 TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {

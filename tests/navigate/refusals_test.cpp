@@ -1,0 +1,241 @@
+/// Every reason for a refusal, met on the way from a command to a motion; and what docs/refusals.md says of it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <random>
+#include <set>
+
+#include "baton/navigate/navigator.hpp"
+#include "tests/support/temp.hpp"
+#include "tests/verify/sample_motions.hpp"
+
+namespace baton {
+namespace {
+
+const std::string kFloor = R"(<geom name="ground" type="plane" size="0 0 0.05"/>)";
+
+/// A robot, a world and a problem that is refused.
+struct Case {
+  Profile profile;
+  std::string geoms = kFloor;
+  Command command;
+  std::function<void(Problem&)> change = [](Problem&) {};
+};
+
+Command push(Part part, int axis, double value = 1.0) {
+  Command command;
+  command.guide = part;
+  command.axes[axis] = value;
+  return command;
+}
+
+/// A box that may be stood on, from `x` on forward or, if that is negative, backward; its top at `z`.
+std::string ground_box(const std::string& name, double x, double forward, double z) {
+  return fmt::format(R"(<geom name="{}" type="box" pos="{} 0 {}" size="9 9 1"/>)", name, x + 9.0 * forward, z - 1.0);
+}
+
+class RefusalsTest : public testing::TestWithParam<std::string> {
+ protected:
+  [[nodiscard]] PlanningResult plan(const Case& c) const {
+    const RobotModel robot(c.profile);
+    const std::string file = test::temp_folder() + "refusals.xml";
+    std::ofstream(file) << "<mujoco><worldbody><site name=\"start\"/>" << c.geoms << "</worldbody></mujoco>";
+    const World world{file};
+    Planning planning(robot, world, {DurationRule::paper, OnLimit::discard});
+    Problem problem;
+    problem.command = c.command;
+    problem.context = test::at_home(robot);
+    c.change(problem);
+    problem.start = problem.context.from;
+    return planning.plan(problem);
+  }
+
+  [[nodiscard]] Posture with_an_arm_in_the_trunk(VecX q) const {
+    Kinematics kinematics(robot_);
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> share(0.1, 0.9);
+    const VecX before = q;
+    do {
+      q = before;
+      for (const int j : robot_.arm(Side::left)) {
+        const Range& range = robot_.joints()[static_cast<std::size_t>(j)].position;
+        q[7 + j] = range.lo + share(random) * (range.hi - range.lo);
+      }
+      kinematics.set(q);
+    } while (kinematics.self_distance(1.0) > -1e-3);
+    return posture_of(robot_, q);
+  }
+
+  /// What is refused for that reason; nothing is asked for if that is not known.
+  [[nodiscard]] Case refused_for(Reason reason) const {
+    const Command step = push(Part::left_foot, 0);
+    const Posture home = test::at_home(robot_).from;
+    double toe = 0.0;
+    for (const Vec2& vertex : robot_.sole(Side::left).vertices())
+      toe = std::max(toe, vertex.x());
+    toe += home.sole.left.p.x();
+    const double edge = robot_.profile().margin.edge;
+    const double size = robot_.profile().stance.com_height;
+
+    Case c;
+    c.profile = robot_.profile();
+    Profile& p = c.profile;
+    switch (reason) {
+      case Reason::foot_region:
+        c.command = push(Part::left_foot, 1, -1.0);  // onto the other foot
+        break;
+      case Reason::foot_yaw:
+        p.region.foot_yaw = 0.5 * p.reach.rotation;
+        c.command = push(Part::left_foot, 5);
+        break;
+      case Reason::sole_gap:
+        p.region.sole_gap = p.stance.width;
+        c.command = step;
+        break;
+      case Reason::ground:
+        c.geoms = ground_box("ground", toe + 1.01 * edge, -1.0, 0.0);
+        c.command = step;
+        break;
+      case Reason::com_height:
+        p.region.com_height.hi = p.stance.com_height;
+        c.command = push(Part::trunk, 2);
+        break;
+      case Reason::trunk_inclination:
+        p.region.trunk_inclination = 0.5 * p.reach.rotation;
+        c.command = push(Part::trunk, 4);
+        break;
+      case Reason::no_progress:
+        c.geoms = ground_box("ground", toe + 1.01 * edge, -1.0, 0.0);
+        c.command = push(Part::trunk, 0);
+        break;
+      case Reason::no_landing:
+        p.phases.lower = {0.99, 0.01};  // the COM cannot come between the feet that quickly
+        c.command.guide = Part::left_foot;
+        c.command.lift.left = 1.0;
+        break;
+      case Reason::no_history:
+        c.command.recall = Recall::retrace;
+        break;
+      case Reason::zmp:
+        p.margin.zmp_plan = p.stance.width;
+        c.command = step;
+        break;
+      case Reason::unreachable:
+        p.ik.hand = 1e-9;  // no hand comes as near to its goal as that
+        c.command = push(Part::left_hand, 0);
+        break;
+      case Reason::joint_limit:
+        p.region.com_height.lo = 0.5 * size;
+        p.reach.trunk = 0.5 * size;
+        c.command = push(Part::trunk, 2, -1.0);
+        break;
+      case Reason::joint_speed:
+        p.margin.speed = 0.01;
+        c.command = step;
+        break;
+      case Reason::joint_acceleration:
+        p.margin.acceleration = 0.1;
+        c.command = step;
+        break;
+      case Reason::joint_torque:
+        p.margin.torque = 0.01;
+        c.command = step;
+        break;
+      case Reason::friction:
+        p.margin.friction = 1e-3;
+        p.duration.max = p.duration.first;
+        c.command = push(Part::trunk, 0, 0.3);
+        break;
+      case Reason::contact_wrench: {
+        // Hardly less slippery than the tangential force as a whole: the soles' vertices cannot give the moment, too.
+        c.command = step;
+        const PlanningResult planned = plan(c);
+        const auto& motion = std::get<Motion>(planned.outcome);
+        p.duration.first = p.duration.max = motion.duration();
+        for (const Margin& margin : motion.certificate.margins) {
+          if (margin.quantity == Reason::friction) p.margin.friction = 1.05 * margin.value;
+        }
+        break;
+      }
+      case Reason::self_collision:
+        c.command = push(Part::left_foot, 0, 0.3);
+        c.change = [this](Problem& problem) {
+          problem.context.from = with_an_arm_in_the_trunk(problem.context.from.q);
+        };
+        break;
+      case Reason::obstacle:
+        c.geoms += fmt::format(R"(<geom name="crate" type="sphere" size="{}" pos="{} {} {}"/>)", 0.02 * size,
+                               home.hand.left.p.x(), home.hand.left.p.y(), home.hand.left.p.z());
+        c.command = push(Part::trunk, 0, 0.3);
+        break;
+      case Reason::swing_ground:
+        c.geoms += ground_box("ground_step", toe + 1.5 * edge, 1.0, 0.1 * size);  // the toe would go through it
+        c.command = push(Part::left_foot, 0);
+        c.command.lift.left = 0.2;
+        break;
+      case Reason::not_finite:
+        c.command = push(Part::left_hand, 0);
+        c.change = [](Problem& problem) { problem.context.from.hand.left.p.x() = std::nan(""); };
+        break;
+    }
+    return c;
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, RefusalsTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(RefusalsTest, AFootThatASlipBroughtNearerToAStepThanTheMarginCanLeave) {
+  double heel = 0.0;
+  for (const Vec2& vertex : robot_.sole(Side::left).vertices())
+    heel = std::max(heel, -vertex.x());
+  heel -= test::at_home(robot_).from.sole.left.p.x();
+  const double edge = robot_.profile().margin.edge;
+  for (const double away : {1.5, 0.6, 0.1}) {
+    Case c;
+    c.profile = robot_.profile();
+    const double riser = 0.1 * c.profile.stance.com_height;
+    c.geoms = kFloor + ground_box("ground_step", -heel - away * edge, -1.0, riser);
+    for (const Command& command : {push(Part::left_foot, 0), push(Part::trunk, 0)}) {
+      c.command = command;
+      const PlanningResult result = plan(c);
+      EXPECT_TRUE(std::holds_alternative<Motion>(result.outcome)) << away;
+    }
+  }
+}
+
+TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {
+  for (std::size_t i = 0; i < kReasons; ++i) {
+    const auto reason = static_cast<Reason>(i);
+    const PlanningResult result = plan(refused_for(reason));
+    const auto* refusal = std::get_if<Refusal>(&result.outcome);
+    ASSERT_NE(refusal, nullptr) << to_string(reason) << ": nothing is refused";
+    EXPECT_EQ(refusal->reason, reason) << to_string(reason) << " is " << to_string(refusal->reason) << " "
+                                       << refusal->value << " " << refusal->limit << " " << refusal->where;
+  }
+}
+
+TEST(Refusals, TheDocumentHasARowForEachReasonAndForNothingElse) {
+  std::ifstream in(std::string(BATON_SOURCE_DIR) + "/docs/refusals.md");
+  std::multiset<std::string> rows;
+  std::string by_time;  // the paragraph below the tables
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("| `")) rows.insert(line.substr(3, line.find('`', 3) - 3));
+    if (line.starts_with("`zmp`") || !by_time.empty()) by_time += line + " ";
+  }
+  std::multiset<std::string> reasons;
+  for (std::size_t i = 0; i < kReasons; ++i) {
+    const auto reason = static_cast<Reason>(i);
+    reasons.emplace(to_string(reason));
+    const bool said = by_time.find(fmt::format("`{}`", to_string(reason))) != std::string::npos;
+    EXPECT_EQ(said, mends_with_time(reason)) << to_string(reason);
+  }
+  EXPECT_EQ(rows, reasons);
+}
+
+}  // namespace
+}  // namespace baton
