@@ -7,20 +7,16 @@
 
 #include "baton/model/error.hpp"
 #include "baton/plan/retrace.hpp"
+#include "baton/record/json.hpp"
 
 namespace baton {
 namespace {
 
 using Json = nlohmann::json;
 
-template <typename Vector>
-Json numbers(const Vector& v) {
-  return Json(std::vector<double>(v.data(), v.data() + v.size()));
-}
-
 Json pose_json(const Pose& pose) {
   const Eigen::Quaterniond q(pose.R);
-  return {{"p", numbers(pose.p)}, {"quat", {q.w(), q.x(), q.y(), q.z()}}};
+  return {{"p", vector_json(pose.p)}, {"quat", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
 Json contact_json(const BySide<bool>& contact) {
@@ -104,13 +100,20 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
     phases.push_back({{"ticks", phase.ticks}, {"contact", contact_json(phase.contact)}});
   Json samples = Json::array();
   for (const MotionSample& sample : motion.samples) {
-    samples.push_back({{"q", numbers(sample.q)},
-                       {"com", numbers(sample.com)},
+    samples.push_back({{"q", vector_json(sample.q)},
+                       {"com", vector_json(sample.com)},
                        {"left_sole", pose_json(sample.sole.left)},
                        {"right_sole", pose_json(sample.sole.right)}});
   }
-  return {{"robot", place.robot},    {"world", place.world}, {"anchor", pose_json(place.anchor)},
-          {"period", motion.period}, {"phases", phases},     {"dq0", numbers(motion.samples.front().dq)},
+  return {{"robot", place.robot},
+          {"world", place.world},
+          {"anchor", pose_json(place.anchor)},
+          {"period", motion.period},
+          {"phases", phases},
+          {"dq0", vector_json(motion.dq0)},
+          {"contact_before", contact_json(motion.contact_before)},
+          {"lift_off", pose_json(motion.lift_off)},
+          {"retraces", motion.retraces},
           {"samples", samples}};
 }
 
@@ -135,24 +138,24 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
     s.com = sample.at("com").vector(3);
     s.sole = {sample.at("left_sole").pose(), sample.at("right_sole").pose()};
   }
-  int tick = 0;
+  int sum = 0;
   for (const Node& phase : node.at("phases").list()) {
     motion.phases.push_back({phase.at("ticks").count(), phase.at("contact").contact()});
     const BySide<bool>& contact = motion.phases.back().contact;
     if (!contact.left && !contact.right) phase.at("contact").complain("at least one sole that stands");
-    for (int k = 0; k < motion.phases.back().ticks && tick < motion.ticks(); ++k)
-      motion.samples[static_cast<std::size_t>(tick++)].contact = contact;
+    sum += motion.phases.back().ticks;
   }
-  int sum = 0;
-  for (const ContactPhase& phase : motion.phases)
-    sum += phase.ticks;
   if (sum != motion.ticks()) {
     throw InputError(
         fmt::format("motion {}: the phases have {} ticks, the samples {}: must be one sample more than ticks",
                     file.string(), sum, motion.samples.size()));
   }
-  motion.samples.back().contact = motion.phases.back().contact;
-  differentiate(robot, node.at("dq0").vector(robot.nv()), motion);
+  set_contacts(motion);
+  motion.lift_off = node.at("lift_off").pose();
+  motion.contact_before = node.at("contact_before").contact();
+  motion.retraces = node.at("retraces").truth();
+  motion.dq0 = node.at("dq0").vector(robot.nv());
+  differentiate(robot, motion);
   return motion;
 }
 

@@ -1,11 +1,9 @@
 #include "baton/record/plan_json.hpp"
 
+#include "baton/record/json.hpp"
+
 namespace baton {
 namespace {
-
-nlohmann::json vector_json(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 nlohmann::json pose_json(const Pose& pose) {
   return {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
@@ -19,6 +17,10 @@ nlohmann::json to_json(const Refusal& refusal) {
           {"value", refusal.value},
           {"limit", refusal.limit},
           {"where", refusal.where}};
+}
+
+nlohmann::json to_json(const std::optional<Refusal>& refusal) {
+  return refusal ? to_json(*refusal) : nlohmann::json(nullptr);
 }
 
 nlohmann::json to_json(const Certificate& certificate) {
@@ -56,8 +58,9 @@ nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
                          {"swing", nullptr},
                          {"T", motion.duration()},
                          {"durations_tried", motion.durations_tried},
+                         {"not_shorter", to_json(motion.not_shorter)},
                          {"retraces", motion.retraces},
-                         {"limit", motion.limit ? to_json(*motion.limit) : nlohmann::json(nullptr)},
+                         {"limit", to_json(motion.limit)},
                          {"phases", phases},
                          {"knots", knots},
                          {"margins", to_json(motion.certificate)},

@@ -11,6 +11,8 @@ namespace baton {
 [[nodiscard]] nlohmann::json to_json(const Motion& motion, const Pose& anchor);
 
 [[nodiscard]] nlohmann::json to_json(const Refusal& refusal);
+/// None is null.
+[[nodiscard]] nlohmann::json to_json(const std::optional<Refusal>& refusal);
 
 /// The worst of each quantity.
 [[nodiscard]] nlohmann::json to_json(const Certificate& certificate);

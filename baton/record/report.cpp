@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baton/record/json.hpp"
 #include "baton/record/trace.hpp"
 
 namespace baton {
@@ -12,10 +13,6 @@ namespace {
 
 constexpr double kMovedShare = 0.25;
 constexpr double kMoved = 0.005;  ///< [m]
-
-nlohmann::json vector_json(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -77,8 +74,7 @@ void Report::add(const TickRecord& record) {
     const bool lifts =
         is_foot(command.guide) && command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
     if (command.recall == Recall::none && (!command.axes.isZero(0.0) || (!command.neutral() && lifts))) {
-      const Mat3 heading =
-          nav.anchor().R * rotation_z(mean_yaw(yaw_of(nav.sample().sole.left.R), yaw_of(nav.sample().sole.right.R)));
+      const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(nav.sample().sole));
       Interval interval;
       interval.command = command;
       const double size = is_foot(command.guide) ? reach.foot : (is_hand(command.guide) ? reach.hand : reach.trunk);
@@ -120,7 +116,7 @@ void Report::add(const TickRecord& record) {
 
   const Truth& truth = record.truth;
   fallen_ = fallen_ || truth.fallen;
-  tilt_ = std::max(tilt_, std::acos(std::clamp(kinematics_.trunk().R(2, 2), -1.0, 1.0)));
+  tilt_ = std::max(tilt_, tilt_of(kinematics_.trunk().R));
   if (truth.touch.left || truth.touch.right) {
     const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
     const double height = support_plane(sole, truth.touch);

@@ -10,6 +10,7 @@ namespace baton {
 struct TickRecord {
   double t = 0.0;  ///< [s]
   const Navigator& navigator;
+  const Measurement& measurement;
   const Truth& truth;
   const JointTarget& target;
   double tick_us = 0.0;  ///< thread CPU time of Navigator::tick [µs]

@@ -1,0 +1,72 @@
+/// A run as it happened: everything that the navigator was given, tick by tick, and a checksum of what it answered, so
+/// that the run can be lived through again and must come out the same bit by bit (docs/recording.md).
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "baton/record/tick_record.hpp"
+
+namespace baton {
+
+/// What passes between navigator and planning beside the ticks.
+enum class PlanningEvent { ask, offer };
+
+/// Checksum of a joint target, every bit of it.
+[[nodiscard]] std::string checksum(const JointTarget& target);
+
+class RecordingWriter {
+ public:
+  /// @param head what the run is of: robot, world, modes
+  /// @throws InputError the file cannot be written
+  RecordingWriter(const std::filesystem::path& file, const nlohmann::json& head);
+
+  void add(const TickRecord& record, bool fallen);
+  void add(PlanningEvent event);
+
+  /// Writes what is left. @returns whether all of it could be written
+  [[nodiscard]] bool close();
+
+ private:
+  void flush();
+
+  std::ofstream out_;
+  std::string tick_;    ///< line of the last tick, not yet closed
+  std::string events_;  ///< since then
+  Command command_;
+  bool first_ = true;
+};
+
+/// One tick of a recording.
+struct RecordedTick {
+  Measurement measurement;
+  Command command;
+  bool fallen = false;                ///< the robot was seen to have fallen
+  std::vector<PlanningEvent> events;  ///< after the tick, in their order
+  std::string checksum;
+};
+
+class RecordingReader {
+ public:
+  /// @throws InputError the file cannot be read or is not a recording
+  explicit RecordingReader(const std::filesystem::path& file);
+
+  [[nodiscard]] const nlohmann::json& head() const { return head_; }
+
+  /// The next tick; none at the end. A last line that was cut off is left out.
+  /// @throws InputError a line is not a tick of a recording
+  [[nodiscard]] std::optional<RecordedTick> next();
+
+ private:
+  std::filesystem::path file_;
+  std::ifstream in_;
+  nlohmann::json head_;
+  Command command_;
+  long line_ = 1;
+};
+
+}  // namespace baton

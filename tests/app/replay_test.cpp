@@ -1,0 +1,141 @@
+/// Recording and replay, and planning on a thread of its own.
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "app/app.hpp"
+#include "app/planning_thread.hpp"
+#include "baton/ik/stand.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace baton {
+namespace {
+
+using test::Outcome;
+using test::run;
+using test::Scratch;
+using testing::HasSubstr;
+
+const std::string kScript = R"({"t": 0.1, "guide": "trunk", "axes": [1, 0.3, 0, 0, 0, 0.2]}
+{"t": 1.3, "guide": "left_hand", "axes": [0.5, 0, 1, null, 0, 0]}
+{"t": 1.8, "guide": "right_foot", "axes": [0, -1, 0, 0, 0, 0], "lift": [0, 0.5]}
+{"t": 2.5, "retrace": true}
+)";
+
+class Replay : public testing::Test {
+ protected:
+  void record(const std::string& on, std::vector<std::string> more) {
+    std::vector<std::string> args{"drive",
+                                  "--on",
+                                  on,
+                                  "--world",
+                                  "flat",
+                                  "--input",
+                                  "script:" + scratch_.write("s.jsonl", kScript),
+                                  "--seconds",
+                                  "3",
+                                  "--record",
+                                  file_,
+                                  "--headless"};
+    args.insert(args.end(), more.begin(), more.end());
+    const Outcome outcome = run(args);
+    ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
+  }
+
+  [[nodiscard]] std::vector<std::string> lines() const {
+    std::ifstream in(file_);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);)
+      lines.push_back(line);
+    return lines;
+  }
+
+  Scratch scratch_;
+  std::string file_ = scratch_.path("run.jsonl");
+};
+
+TEST_F(Replay, GivesTheSameJointTargetsBitByBit) {
+  for (const char* on : {"ideal", "sim"}) {
+    for (const char* gait : {"flow", "stop"}) {
+      record(on, {"--fast", "--gait", gait});
+      const Outcome again = run({"replay", file_, "--verify"});
+      EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
+      EXPECT_THAT(again.out, HasSubstr("600 ticks"));
+      EXPECT_THAT(again.out, HasSubstr("bit by bit"));
+    }
+  }
+}
+
+TEST_F(Replay, AlsoOfARunThatWaitedForNothing) {
+  record("ideal", {});  // by the clock, planned on a thread of its own
+  const Outcome again = run({"replay", file_, "--verify"});
+  EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
+}
+
+TEST_F(Replay, NoticesAnythingElse) {
+  record("ideal", {"--fast"});
+  std::vector<std::string> text = lines();
+  ASSERT_EQ(text.size(), 601u);
+  const auto write = [&] {
+    std::ofstream out(file_);
+    for (const std::string& line : text)
+      out << line << '\n';
+  };
+  // Another command, early: other targets later.
+  const std::string original = text[21];
+  ASSERT_THAT(original, HasSubstr("\"axes\":[1.0,0.3"));
+  text[21].replace(text[21].find("[1.0,0.3"), 8, "[0.9,0.3");
+  write();
+  const Outcome other = run({"replay", file_, "--verify"});
+  EXPECT_EQ(other.code, app::kFailed);
+  EXPECT_THAT(other.out, HasSubstr("other joint targets"));
+  text[21] = original;
+
+  // A recording that ends in the middle of a line was cut off by the end of the process.
+  text.back().resize(text.back().size() / 2);
+  write();
+  std::filesystem::resize_file(file_, std::filesystem::file_size(file_) - 1);
+  const Outcome cut = run({"replay", file_, "--verify"});
+  EXPECT_EQ(cut.code, app::kDone) << cut.err;
+  EXPECT_THAT(cut.out, HasSubstr("599 ticks"));
+
+  text[300] = "{}";
+  write();
+  const Outcome broken = run({"replay", file_, "--verify"});
+  EXPECT_EQ(broken.code, app::kBadInput);
+  EXPECT_THAT(broken.err, HasSubstr("line 301"));
+  EXPECT_EQ(run({"replay", scratch_.path("none.jsonl")}).code, app::kBadInput);
+  EXPECT_EQ(run({"replay", scratch_.write("other.json", "{\"a\": 1}\n")}).code, app::kBadInput);
+}
+
+TEST(PlanningThread, AnswersAsPlanningDoes) {
+  const RobotModel& robot = test::robot("mighty");
+  const World world = World::load("flat");
+  Planning planning(robot, world);
+  Problem problem;
+  problem.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
+  problem.context.foothold = problem.context.from.sole;
+  problem.start = problem.context.from;
+  app::PlanningThread thread(robot, world, {});
+  for (const double x : {1.0, -0.5, 0.0, 0.3}) {
+    problem.command.axes[0] = x;
+    ASSERT_TRUE(thread.idle());
+    EXPECT_FALSE(thread.poll().has_value());
+    thread.post(problem);
+    std::optional<app::PlanningThread::Answer> answer;
+    while (!(answer = thread.poll()))
+      std::this_thread::yield();
+    const PlanningResult expected = planning.plan(problem);
+    ASSERT_EQ(answer->result.outcome.index(), expected.outcome.index());
+    if (const auto* motion = std::get_if<Motion>(&expected.outcome)) {
+      const Motion& other = std::get<Motion>(answer->result.outcome);
+      ASSERT_EQ(other.ticks(), motion->ticks());
+      EXPECT_EQ(other.end.q, motion->end.q);
+    }
+  }
+  thread.post(problem);  // and it ends well with a problem in hand
+}
+
+}  // namespace
+}  // namespace baton
