@@ -21,11 +21,14 @@ void on_interrupt(int /*signal*/) {
   interrupted = true;
 }
 
-void add_modes(CLI::App& command, std::string& duration, std::string& on_limit) {
-  command.add_option("--duration", duration, "How a segment's duration is found: paper or search")
+void add_modes(CLI::App& command, ModeOptions& modes) {
+  command.add_option("--gait", modes.gait, "flow: motions are replaced on their way; stop: each comes to rest first")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"stop", "flow"}));
+  command.add_option("--duration", modes.duration, "How a segment's duration is found: paper or search")
       ->capture_default_str()
       ->check(CLI::IsMember({"paper", "search"}));
-  command.add_option("--on-limit", on_limit, "What happens to a goal that cannot be reached: discard or shrink")
+  command.add_option("--on-limit", modes.on_limit, "What happens to a goal that cannot be reached: discard or shrink")
       ->capture_default_str()
       ->check(CLI::IsMember({"discard", "shrink"}));
 }
@@ -38,10 +41,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
       ->capture_default_str()
       ->check(CLI::IsMember({"sim", "ideal"}));
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
-  add_modes(command, o.duration, o.on_limit);
-  command.add_option("--gait", o.gait, "stop after each segment, or flow")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"stop", "flow"}));
+  add_modes(command, o.modes);
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")->check(CLI::PositiveNumber);
   command.add_option("--seed", o.seed, "Recorded in the report")->capture_default_str();
   command.add_flag("--headless", o.headless, "No page");
@@ -52,16 +52,12 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--trace", o.trace, "Write every tick to this .csv file");
   command.add_option("--save-model", o.save_model, "Write the model that is stepped to this .xml file");
   command.add_option("--report", o.report, "Write the run in numbers to this .json file");
+  command.add_option("--record", o.record, "Write all that is needed to live through the run again, for baton replay");
 }
 
 void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--on", o.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
-  command.add_option("--duration", o.duration, "As for drive")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"paper", "search"}));
-  command.add_option("--on-limit", o.on_limit, "As for drive")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"discard", "shrink"}));
+  add_modes(command, o.modes);
   command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
       ->check(CLI::PositiveNumber);
   command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")->check(CLI::PositiveNumber);
@@ -109,7 +105,7 @@ int parse_and_run(std::vector<std::string> args) {
   plan_command->add_option("--seconds", plan_options.seconds, "How long the script's last line is held")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  add_modes(*plan_command, plan_options.duration, plan_options.on_limit);
+  add_modes(*plan_command, plan_options.modes);
   plan_command->add_option("--out", plan_options.out, "Folder: write each motion to a file, for baton verify");
 
   VerifyOptions verify_options;
@@ -138,12 +134,21 @@ int parse_and_run(std::vector<std::string> args) {
   operate_command->add_option("--seed", operate_options.seed, "Of the random start on the stage")
       ->capture_default_str();
   operate_command->add_flag("--exact-start", operate_options.exact_start, "Begin at the world's start instead");
+  operate_command->add_flag("--foot-by-foot", operate_options.foot_by_foot,
+                            "Guide the feet down the steps, as in the paper, also with --gait flow");
   operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which it gives up")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  add_modes(*operate_command, operate_options.modes);
   operate_command->add_option("--report", operate_options.report, "Write the run in numbers to this .json file");
   operate_command->add_option("--trace", operate_options.trace, "Write every tick to this .csv file");
   operate_command->add_option("--script", operate_options.script, "Write what the operator did as a stick script");
+
+  ReplayOptions replay_options;
+  CLI::App* replay_command = app.add_subcommand("replay", "Live through a recorded run again");
+  replay_command->add_option("recording", replay_options.recording, "As drive --record writes it")->required();
+  replay_command->add_flag("--verify", replay_options.verify,
+                           "Hold the joint targets to the recorded ones, bit by bit");
 
   SoakOptions soak_options;
   CLI::App* soak_command = app.add_subcommand("soak", "Try to break it: random sticks, judged by independent means");
@@ -161,6 +166,7 @@ int parse_and_run(std::vector<std::string> args) {
   if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);
   if (operate_command->parsed()) return operate(operate_options);
+  if (replay_command->parsed()) return replay(replay_options);
   if (soak_command->parsed()) return soak(soak_options);
   return kDone;
 }

@@ -11,14 +11,18 @@ namespace baton::app {
 /// Set by Ctrl-C: come to rest, write what was asked for, end.
 extern std::atomic<bool> interrupted;
 
+struct ModeOptions {
+  std::string duration = "paper";
+  std::string gait = "flow";
+  std::string on_limit = "shrink";
+};
+
 struct DriveOptions {
   std::string robot = "mighty";
   std::string world = "room";
   std::string on = "sim";
   std::string input = "auto";
-  std::string duration = "paper";
-  std::string gait = "stop";
-  std::string on_limit = "shrink";
+  ModeOptions modes;
   std::optional<double> seconds;
   long seed = 0;
   bool headless = false;
@@ -26,6 +30,7 @@ struct DriveOptions {
   int port = 8080;
   std::optional<std::filesystem::path> trace;
   std::optional<std::filesystem::path> save_model;
+  std::optional<std::filesystem::path> record;
   std::optional<std::filesystem::path> report;
 };
 
@@ -34,8 +39,7 @@ struct PlanOptions {
   std::string world = "flat";
   std::filesystem::path script;
   double seconds = 1.0;  ///< how long the last line is held
-  std::string duration = "paper";
-  std::string on_limit = "shrink";
+  ModeOptions modes;
   std::optional<std::filesystem::path> out;  ///< folder for one file a motion
 };
 
@@ -55,8 +59,10 @@ struct OperateOptions {
   std::string robot = "mighty";
   std::string on = "sim";
   long seed = 0;
-  bool exact_start = false;  ///< from the world's start, not from a random one
-  double seconds = 240.0;    ///< the operator gives up then
+  bool exact_start = false;   ///< from the world's start, not from a random one
+  bool foot_by_foot = false;  ///< down the steps, in any gait
+  double seconds = 240.0;     ///< the operator gives up then
+  ModeOptions modes;
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> trace;
   std::optional<std::filesystem::path> script;  ///< writes the stick as a script
@@ -66,8 +72,7 @@ struct SoakOptions {
   std::string robot = "mighty";
   std::string world = "flat";
   std::string on = "ideal";
-  std::string duration = "paper";
-  std::string on_limit = "shrink";
+  ModeOptions modes;
   std::optional<long> segments;
   std::optional<double> hours;  ///< simulated
   long seed = 0;
@@ -77,7 +82,13 @@ struct SoakOptions {
   std::optional<std::filesystem::path> report;  ///< required
 };
 
+struct ReplayOptions {
+  std::filesystem::path recording;
+  bool verify = false;
+};
+
 int drive(const DriveOptions& options);
+int replay(const ReplayOptions& options);
 int plan(const PlanOptions& options);
 int verify(const VerifyOptions& options);
 int reproduce(const ReproduceOptions& options);

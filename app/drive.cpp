@@ -20,14 +20,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kStuck = 3;  ///< commands refused in a row after which the operator is told what leads out
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-void refuse_modes_to_come(const DriveOptions& o) {
-  if (o.gait != "stop") throw InputError(fmt::format("--gait {}: not there yet; --gait stop is", o.gait));
-}
-
 /// To be said once in a row of refusals.
 void say_what_leads_out(const Navigator& navigator) {
   spdlog::warn("{} commands in a row were refused, nothing goes from here: {}home (H, T4, Start) leads out",
@@ -37,14 +29,25 @@ void say_what_leads_out(const Navigator& navigator) {
 }  // namespace
 
 int drive(const DriveOptions& o) {
-  refuse_modes_to_come(o);
   if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: without a clock only that ends the run");
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
   Inputs inputs(o.input);
   Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt, {},
-                  modes_of(o.duration, o.on_limit));
+                  modes_of(o.modes));
   Outputs outputs(robot, session, o.report, o.trace, o.save_model);
+
+  if (o.record) {
+    outputs.record(session, *o.record,
+                   {{"robot", o.robot},
+                    {"world", o.world},
+                    {"on", o.on},
+                    {"seed", o.seed},
+                    {"duration", o.modes.duration},
+                    {"gait", o.modes.gait},
+                    {"on_limit", o.modes.on_limit}});
+  }
+  if (!o.fast) session.plan_on_a_thread();
 
   std::optional<View> view;
   if (!o.headless && !o.fast) {
@@ -56,7 +59,10 @@ int drive(const DriveOptions& o) {
     throw InputError("--input page needs the page: leave out --headless and --fast");
   }
 
+  Durations used, interval;
+  long late = 0;
   const Clock::time_point start = Clock::now();
+  double began = 0.0;
   const double period = robot.profile().tick.period;
   bool stopping = false;
   bool stuck = false;
@@ -66,6 +72,11 @@ int drive(const DriveOptions& o) {
       spdlog::info("coming to rest");
     }
     if (stopping && session.resting()) break;
+    if (!o.fast) {
+      const double now = seconds_since(start);
+      if (session.t() > 0.0) interval.add(1e6 * (now - began));
+      began = now;
+    }
     session.step(stopping ? Command{} : inputs.read(session.t()));
     if (view) view->show(session, inputs.status());
     const bool was_stuck = std::exchange(stuck, session.navigator().refused_in_a_row() >= kStuck);
@@ -74,12 +85,26 @@ int drive(const DriveOptions& o) {
       session.step(Command{});  // the plan is cleared and the motors go soft: the last row says so
       break;
     }
-    if (!o.fast)
-      std::this_thread::sleep_until(
-          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(session.t())));
+    if (!o.fast) {
+      const double left = session.t() - seconds_since(start);
+      used.add(1e6 * (period - left));
+      if (left < 0.0) ++late;
+      std::this_thread::sleep_for(std::chrono::duration<double>(left));
+    }
   }
 
-  const nlohmann::json summary = outputs.write(world.name(), o.on, o.seed, seconds_since(start));
+  nlohmann::json loop = nullptr;
+  if (!o.fast) {
+    const nlohmann::json spent = used.summary();
+    const auto slack = [&](const char* quantile) { return 1e6 * period - spent[quantile].get<double>(); };
+    loop = {{"period_us", 1e6 * period},
+            {"interval_us", interval.summary()},
+            {"slack_us", {{"p50", slack("p50")}, {"p1", slack("p99")}, {"min", slack("max")}}},
+            {"late", late},
+            {"dropped", session.navigator().dropped()}};
+  }
+  const nlohmann::json summary =
+      outputs.write(world.name(), o.on, o.seed, seconds_since(start), {{"loop", std::move(loop)}});
   const auto& segments = summary["segments"];
   fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
              world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),

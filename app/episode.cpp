@@ -1,8 +1,12 @@
 #include "app/episode.hpp"
 
 #include <cmath>
+#include <deque>
 #include <set>
+#include <utility>
 
+#include "app/outputs.hpp"
+#include "baton/ik/stand.hpp"
 #include "baton/record/report.hpp"
 
 namespace baton::app {
@@ -11,6 +15,9 @@ namespace {
 constexpr double kComesToRest = 20.0;  ///< [s] within which a robot that is let go has to rest
 constexpr double kRests = 0.25;        ///< [s] without a motion: nothing is being planned either
 constexpr int kRefusedInARow = 200;    ///< refusals without a motion between them that make one wonder
+constexpr long kRetraced = 5;          ///< motions back at the end, at most
+constexpr double kSamePlace = 0.005;   ///< [m] from the rest that it leads back to
+constexpr double kSameTurn = 0.02;     ///< [rad]
 
 /// In physics soles sink, and the planning frame is laid on them.
 Checker::Tolerances tolerances(Session::On on) {
@@ -34,6 +41,7 @@ class Run {
     session_.on_plan = [this](const PlanRecord& record) {
       report_.add(record);
       count_refusals(record);
+      if (going_back_) look_whether_refused(record);
     };
   }
 
@@ -42,21 +50,20 @@ class Run {
     Stick stick(seed, period);
     for (long k = 0; k < ticks && !stop && !session_.fallen(); ++k) {
       const Command command = stick.next();
-      tally_.deflected += Stick::deflected(command) ? 1 : 0;
+      const bool deflected = Stick::deflected(command);
+      tally_.deflected += deflected ? 1 : 0;
+      note_letting_go(deflected);
       step(command);
       look_whether_stuck();
     }
-    const long latest = ticks_ + std::lround(kComesToRest / period);
-    for (long rests = 0; rests < std::lround(kRests / period) && !stop && !session_.fallen();) {
-      step(Command{});
-      rests = session_.resting() ? rests + 1 : 0;
-      if (ticks_ > latest) return fail("unrest", session_.t(), kComesToRest, kComesToRest, "");
+    if (!come_to_rest(stop)) return;
+    if (!session_.fallen() && !stop) {
+      test_whether_stuck();
+      if (!go_back(stop)) return;
     }
     if (session_.fallen()) {
       step(Command{});  // as `drive` does: the last row says so
       fail("fall", session_.t(), 0.0, 0.0, session_.truth().fall);
-    } else if (!stop) {
-      test_whether_stuck();
     }
   }
 
@@ -75,19 +82,58 @@ class Run {
   [[nodiscard]] EpisodeResult result() {
     const nlohmann::json summary = report_.json("", "", 0, 0.0);
     tally_.episodes = 1;
-    tally_.ticks = ticks_;
     tally_.segments = session_.navigator().committed();
     summary["segments"]["refused"].get_to(tally_.refused);
     summary["commands"]["given"].get_to(tally_.given);
     summary["commands"]["moved"].get_to(tally_.moved);
     tally_.travel = summary["travel_m"].get<double>();
-    return {tally_, ticks_, last_q_};
+    return {tally_, ticks_, last_q_, back_};
   }
 
  private:
   void step(const Command& command) {
+    if (going_back_ && !(command == last_command_)) back_ += script_line(session_.t(), command) + '\n';
+    last_command_ = command;
     session_.step(command);
     ++ticks_;
+    tally_.ticks += going_back_ ? 0 : 1;
+  }
+
+  /// Lets go of the stick; false if that does not bring the robot to rest.
+  bool come_to_rest(const std::atomic<bool>& stop) {
+    const double period = robot_.profile().tick.period;
+    const long latest = ticks_ + std::lround(kComesToRest / period);
+    for (long rests = 0; rests < std::lround(kRests / period) && !stop && !session_.fallen();) {
+      step(Command{});
+      rests = session_.resting() ? rests + 1 : 0;
+      if (ticks_ > latest) {
+        fail("unrest", session_.t(), kComesToRest, kComesToRest, "");
+        return false;
+      }
+    }
+    return true;
+  }
+
+  /// The last few motions back, with retrace held: let go of, a long way back would end early.
+  bool go_back(const std::atomic<bool>& stop) {
+    going_back_ = true;
+    Command press;
+    press.recall = Recall::retrace;
+    const Navigator& navigator = session_.navigator();
+    const Tally::Retrace& sum = tally_.retrace;
+    while (sum.tried < kRetraced && sum.refused == 0 && (back_to_ || navigator.history() > 0) && !stop &&
+           !session_.fallen())
+      step(press);
+    return come_to_rest(stop);
+  }
+
+  /// Counts the motions during which the stick was let go of.
+  void note_letting_go(bool deflected) {
+    const long segment = session_.navigator().segment();
+    if (std::exchange(was_deflected_, deflected) && !deflected && segment >= 0 && segment != let_go_in_) {
+      ++tally_.let_go;
+      let_go_in_ = segment;
+    }
   }
 
   void judge(const TickRecord& record) {
@@ -95,6 +141,7 @@ class Run {
     const Navigator& navigator = record.navigator;
     last_q_ = record.truth.q;
     if (navigator.phase() == Phase::fallen) return;
+    follow_rests(navigator, record.truth.q);
     if (navigator.committed() != committed_) {
       committed_ = navigator.committed();
       tally_.shrunk += navigator.motion()->limit ? 1 : 0;
@@ -109,6 +156,56 @@ class Run {
     for (const Checker::Violation& v : checker_.add(tick_))
       fail(std::string(Checker::kNames[static_cast<std::size_t>(v.kind)]), v.t, v.value, v.limit, v.where);
     if (!record.truth.q.allFinite() || !record.target.tau.allFinite()) fail("not_finite", record.t, 0.0, 0.0, "");
+  }
+
+  /// Notes where the motions that can be retraced began, and looks where those back end.
+  void follow_rests(const Navigator& navigator, const VecX& q) {
+    const Motion* motion = navigator.motion();
+    const bool begins = navigator.committed() != committed_;
+    const bool from_rest = motion == nullptr || navigator.now() >= motion_ends_;
+    if (begins) motion_ends_ = navigator.now() + motion->ticks();
+    if (back_to_ && (begins || motion == nullptr)) {
+      if (from_rest && going_back_) look_whether_back(q);
+      if (!from_rest) rests_.push_back(*back_to_);  // ended early, on the way to there
+      back_to_.reset();
+    }
+    if (begins && motion->retraces) {
+      back_to_ = rests_.back();
+      rests_.pop_back();
+    } else if (begins && from_rest) {
+      rests_.push_back(q);
+    }
+    while (rests_.size() > navigator.history())  // forgotten: too long ago, or after a slip
+      rests_.pop_front();
+  }
+
+  void look_whether_back(const VecX& q) {
+    const Posture there = posture_of(robot_, *back_to_);
+    const Posture here = posture_of(robot_, q);
+    const double turned = rotation_error(there.trunk, here.trunk).norm();
+    double off = (there.com - here.com).norm();
+    for (const Side side : kSides)
+      off = std::max(off, (there.sole[side].p - here.sole[side].p).norm());
+    Tally::Retrace& sum = tally_.retrace;
+    ++sum.tried;
+    sum.worst_m = std::max(sum.worst_m, off);
+    sum.worst_rad = std::max(sum.worst_rad, turned);
+    const bool turned_too_far = turned > kSameTurn;
+    if (off <= kSamePlace && !turned_too_far) {
+      ++sum.arrived;
+    } else if (on_ == Session::On::ideal) {
+      fail("retrace", session_.t(), turned_too_far ? turned : off, turned_too_far ? kSameTurn : kSamePlace,
+           turned_too_far ? "trunk" : "");
+    }
+  }
+
+  void look_whether_refused(const PlanRecord& record) {
+    const auto* refusal = std::get_if<Refusal>(&record.result.outcome);
+    if (refusal == nullptr || record.problem.command.recall != Recall::retrace || !record.problem.trail) return;
+    ++tally_.retrace.tried;
+    ++tally_.retrace.refused;
+    if (on_ == Session::On::ideal)
+      fail("retrace", session_.t(), refusal->value, refusal->limit, std::string(to_string(refusal->reason)));
   }
 
   void count_refusals(const PlanRecord& record) {
@@ -137,6 +234,14 @@ class Run {
   Tally tally_;
   long ticks_ = 0;
   long committed_ = 0;
+  bool was_deflected_ = false;
+  long let_go_in_ = -1;     ///< the segment in which the stick was let go of last
+  std::deque<VecX> rests_;  ///< where the motions that can be retraced began
+  bool going_back_ = false;
+  long motion_ends_ = 0;         ///< the one under way, if nothing replaces it [tick]
+  std::optional<VecX> back_to_;  ///< where the motion back that is under way shall end
+  Command last_command_;
+  std::string back_;
   VecX last_q_;
   int refused_in_a_row_ = 0;
   long segment_ = -1;            ///< the one that failed last
@@ -155,9 +260,7 @@ Episodes::Episodes(const RobotModel& robot, const World& world, Session::On on, 
       ticks_(std::max(1L, std::lround(seconds / robot.profile().tick.period))) {}
 
 EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
-  std::unique_lock<std::mutex> lock(compiling_);
   Run run(*robot_, *world_, on_, modes_, index);
-  lock.unlock();
   try {
     run.drive(mixed_seed(seed_, static_cast<std::uint64_t>(index)), ticks_, stop);
   } catch (const std::exception& error) {
@@ -166,8 +269,9 @@ EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
   return run.result();
 }
 
-std::string Episodes::script(long index) const {
-  return stick_script(mixed_seed(seed_, static_cast<std::uint64_t>(index)), robot_->profile().tick.period, ticks_);
+std::string Episodes::script(long index, const EpisodeResult& result) const {
+  return stick_script(mixed_seed(seed_, static_cast<std::uint64_t>(index)), robot_->profile().tick.period, ticks_) +
+         result.back;
 }
 
 bool stuck(Planning& planning, Problem problem) {

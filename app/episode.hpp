@@ -1,8 +1,8 @@
-/// A stretch of a soak: a fresh robot, a stick at random, and judges. It is a function of robot, world, plant and seed.
+/// A stretch of a soak: a fresh robot, a stick at random, the way back, and judges. It is a function of robot, world,
+/// plant and seed.
 #pragma once
 
 #include <atomic>
-#include <mutex>
 
 #include "app/checker.hpp"
 #include "app/session.hpp"
@@ -12,14 +12,15 @@
 namespace baton::app {
 
 struct EpisodeResult {
-  Tally tally;     ///< of this episode
-  long ticks = 0;  ///< that were driven, those with the stick let go at the end included
-  VecX q;          ///< configuration at the last of them
+  Tally tally;       ///< of this episode
+  long ticks = 0;    ///< all of them: driven, let go, and on the way back
+  VecX q;            ///< configuration at the last of them
+  std::string back;  ///< what was pressed on the way back, as lines of a script
 };
 
 class Episodes {
  public:
-  /// @param seconds each is that long [s], and then until the robot rests
+  /// @param seconds each is that long [s], and then until the robot rests, and a few motions back
   Episodes(const RobotModel& robot, const World& world, Session::On on, Modes modes, std::uint64_t seed,
            double seconds);
 
@@ -28,7 +29,8 @@ class Episodes {
   [[nodiscard]] EpisodeResult run(long index, const std::atomic<bool>& stop) const;
 
   /// The stick of an episode as a script for `baton drive`.
-  [[nodiscard]] std::string script(long index) const;
+  /// @param result its own
+  [[nodiscard]] std::string script(long index, const EpisodeResult& result) const;
 
  private:
   const RobotModel* robot_;
@@ -37,7 +39,6 @@ class Episodes {
   Modes modes_;
   std::uint64_t seed_;
   long ticks_;
-  mutable std::mutex compiling_;  ///< MuJoCo's parser and compiler are not made for several threads
 };
 
 /// Whether no command at all, of many different ones and the way back, has a motion from there.

@@ -49,9 +49,10 @@ Command Inputs::read(double t) {
     const auto it = std::find_if(readings.begin(), readings.end(), fits);
     return it == readings.end() ? nullptr : &*it;
   };
-  // Who is in use stays in use; a device at rest gives way to one that is not.
-  const Reading* chosen =
-      find([&](const Reading& r) { return r.armed && r.device == active_ && !r.command.neutral(); });
+  // Anyone may stop; else who is in use stays in use, and a device at rest gives way to one that is not.
+  const Reading* chosen = find([](const Reading& r) { return r.armed && r.command.recall == Recall::stop; });
+  if (chosen == nullptr)
+    chosen = find([&](const Reading& r) { return r.armed && r.device == active_ && !r.command.neutral(); });
   if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed && !r.command.neutral(); });
   if (chosen == nullptr) chosen = find([&](const Reading& r) { return r.armed && r.device == active_; });
   if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed; });

@@ -27,10 +27,12 @@ int operate(const OperateOptions& o) {
   }
   const Posture posture = stand(robot, start, robot.profile().stance.com_height);
 
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture);
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture, {}, modes_of(o.modes));
   Outputs outputs(robot, session, o.report, o.trace, std::nullopt);
   std::optional<std::ofstream> script = open_output(o.script, "--script");
-  RoomOperator person(robot, world, static_cast<std::uint64_t>(o.seed) + 1);
+  RoomOperator::Parameters parameters;
+  parameters.foot_by_foot = o.foot_by_foot;
+  RoomOperator person(robot, world, static_cast<std::uint64_t>(o.seed) + 1, modes_of(o.modes).gait, parameters);
   Kinematics kinematics(robot);
   Command last;
   bool first = true;
@@ -64,8 +66,7 @@ int operate(const OperateOptions& o) {
   }
   const bool reached = best >= 1.0 && !session.fallen();
   const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", error}, {"task", o.task}};
-  outputs.write(world.name(), o.on, o.seed,
-                std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(), extra);
+  outputs.write(world.name(), o.on, o.seed, seconds_since(wall), extra);
   fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached",
              session.t(), 1e3 * error, session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
   if (session.fallen()) return kFallen;

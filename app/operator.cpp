@@ -12,15 +12,26 @@ constexpr double kPastEdge = 0.0050;      ///< from edge to heel after it [m]
 constexpr double kFootSpot = 0.0035;      ///< a foot is where it should be when it is as near as this [m]
 constexpr double kLift = 0.4;             ///< of the throttle: a little is enough on the way down
 constexpr double kHeightSpot = 0.003;     ///< [m]
+constexpr double kFar = 0.5;              ///< deflection below which one does not steer any more
 constexpr double kYawSpot = 0.03;         ///< [rad]
+/// How far from the hand's target the shoulder is taken, of the reach; the next where it did not get there in time.
+constexpr std::array<double, 3> kFromTarget{0.95, 0.85, 1.0};
+constexpr double kReachPatience = 6.0;  ///< [s]
 
 }  // namespace
 
-RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed)
-    : RoomOperator(robot, world, seed, Parameters{}) {}
+RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait)
+    : RoomOperator(robot, world, seed, gait, Parameters{}) {}
 
-RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Parameters parameters)
-    : robot_(&robot), parameters_(parameters), random_(seed), kinematics_(robot), door_(world.site("door_B").p) {
+RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait,
+                           Parameters parameters)
+    : robot_(&robot),
+      gait_(gait),
+      foot_by_foot_(gait == Gait::stop || parameters.foot_by_foot),
+      parameters_(parameters),
+      random_(seed),
+      kinematics_(robot),
+      door_(world.site("door_B").p) {
   const Vec3 start = world.site("start").p;
   double height = start.z();
   for (double x = start.x(); x < door_.x(); x += 1e-4) {
@@ -71,16 +82,68 @@ RoomOperator::Sight RoomOperator::look(const Session& session) {
   sight.hand = seen(kinematics_.hand(Side::left).p);
   sight.shoulder = seen(kinematics_.shoulder(Side::left));
   sight.trunk_yaw = yaw_of(kinematics_.trunk().R) + parameters_.sight_yaw_error * normal(random_);
-  sight.heading = mean_yaw(yaw_of(sight.sole.left.R), yaw_of(sight.sole.right.R));
+  sight.heading = mean_yaw(sight.sole);
   return sight;
 }
 
+RoomOperator::Sight RoomOperator::foreseen(const Session& session) {
+  const Sight now = look(session);
+  Sight then = now;
+  const double since = session.t() - looked_;
+  if (last_look_ && since < 2.0 * parameters_.reaction) {
+    const double share = parameters_.foresight / since;
+    const Vec3 moved = now.com - last_look_->com;
+    then.com += share * moved;
+    then.shoulder += share * moved;
+    then.hand += share * (now.hand - last_look_->hand);
+    then.trunk_yaw += share * wrap_angle(now.trunk_yaw - last_look_->trunk_yaw);
+  }
+  last_look_ = now;
+  looked_ = session.t();
+  return then;
+}
+
 Command RoomOperator::decide(const Session& session) {
-  const bool resting = session.resting();
+  const bool by_steps = (stage_ == Stage::steps && foot_by_foot_) || stage_ == Stage::align || stage_ >= Stage::hold;
+  return gait_ == Gait::stop || by_steps || steered_ == stage_ ? step_by_step(session) : steer(session);
+}
+
+Command RoomOperator::steer(const Session& session) {
+  const double t = session.t();
+  if (t - since_ < parameters_.reaction) return stick_;
+  since_ = t;
+  refusals_ = session.navigator().refusal() ? refusals_ + 1 : 0;
+  const Sight sight = foreseen(session);
+  std::optional<Command> command = next(sight);
+  if (!command && stage_ == Stage::steps) {  // down, and on without a rest
+    stage_ = Stage::cross;
+    command = next(sight);
+  }
+  if (command && command->axes.cwiseAbs().maxCoeff() > kFar && refusals_ < 3) {
+    stick_ = *command;
+    return stick_;
+  }
+  // Near: the rest step by step. If it does not go down like this, then foot by foot.
+  stick_.axes.setZero();
+  steered_ = stage_;
+  if (stage_ == Stage::steps) {
+    foot_by_foot_ = true;
+    stage_ = Stage::crouch;
+    refusals_ = 0;
+  }
+  return stick_;
+}
+
+Command RoomOperator::step_by_step(const Session& session) {
+  const Navigator& robot = session.navigator();
+  const bool lifted = lifted_.left || lifted_.right;
+  swung_ = swung_ || robot.phase() == Phase::single_left || robot.phase() == Phase::single_right;
+  const bool landed = gait_ == Gait::flow && swung_ && !lifted && robot.phase() == Phase::double_support;
+  const bool ready = session.resting() || landed;
   const double t = session.t();
   if (deflected_) {
-    const bool refused = session.navigator().refusal().has_value() && t - since_ > parameters_.patience;
-    if (resting && !refused) return stick_;
+    const bool refused = robot.refusal().has_value() && t - since_ > parameters_.patience;
+    if (robot.committed() == moved_ && !refused) return stick_;
     refusals_ = refused ? refusals_ + 1 : 0;
     // It moves, or it does not want to: let go, but keep a lifted foot up.
     deflected_ = false;
@@ -88,7 +151,7 @@ Command RoomOperator::decide(const Session& session) {
     since_ = t;
     return stick_;
   }
-  if (!resting) {
+  if (!ready) {
     since_ = t;
     return stick_;
   }
@@ -98,16 +161,25 @@ Command RoomOperator::decide(const Session& session) {
   }
   if (t - since_ < parameters_.reaction || stage_ == Stage::done) return stick_;
   const Sight sight = look(session);
+  if (stage_ == Stage::reach && t - reaching_since_ > kReachPatience) {  // from another place, the arm down first
+    ++approach_;
+    stage_ = Stage::cross;
+    steered_.reset();
+    refusals_ = 0;
+  }
   std::optional<Command> command = next(sight);
   while (!command && stage_ != Stage::hold) {
     stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
     refusals_ = 0;
+    if (stage_ == Stage::reach) reaching_since_ = t;
     if (stage_ != Stage::hold) command = next(sight);
   }
   since_ = t;
   if (!command) return stick_;
   stick_ = *command;
   deflected_ = true;
+  moved_ = robot.committed();
+  swung_ = false;
   return stick_;
 }
 
@@ -117,9 +189,9 @@ std::optional<Command> RoomOperator::next(const Sight& sight) {
     case Stage::face:
       return face(sight);
     case Stage::crouch:
-      return change_height(sight, kCrouch * nominal);
+      return foot_by_foot_ ? change_height(sight, kCrouch * nominal) : std::nullopt;
     case Stage::steps:
-      return go_down(sight);
+      return foot_by_foot_ ? go_down(sight) : walk_down(sight);
     case Stage::rise:
       return change_height(sight, nominal);
     case Stage::cross:
@@ -144,13 +216,16 @@ Command RoomOperator::deflect(Part part, const Sight& sight, const Vec3& shift, 
   return command;
 }
 
+double RoomOperator::turn_back(double yaw) const {
+  return std::clamp(-yaw / robot_->profile().reach.rotation, -1.0, 1.0);
+}
+
 std::optional<Command> RoomOperator::face(const Sight& sight) const {
   // The trunk turns first, the feet follow when they must.
   const double trunk = sight.trunk_yaw;
   if ((std::abs(trunk) < kYawSpot && std::abs(sight.heading) < 2.0 * kYawSpot) || refusals_ > 6) return std::nullopt;
   Command command;
-  const double error = std::abs(trunk) < kYawSpot ? sight.heading : trunk;
-  command.axes[5] = std::clamp(-error / robot_->profile().reach.rotation, -1.0, 1.0);
+  command.axes[5] = turn_back(std::abs(trunk) < kYawSpot ? sight.heading : trunk);
   return command;
 }
 
@@ -174,7 +249,7 @@ std::optional<Command> RoomOperator::move_foot(const Sight& sight, Side side, co
   command.axes.z() = 0.0;
   // After a refusal, try less.
   command.axes.head<2>() *= std::pow(0.7, refusals_ % 6);
-  command.axes[5] = std::abs(yaw) < kYawSpot ? 0.0 : std::clamp(-yaw / full.rotation, -1.0, 1.0);
+  if (std::abs(yaw) > kYawSpot) command.axes[5] = turn_back(yaw);
   lifted_[side] = through_the_air && !(lifted_[side] && there);
   if (lifted_[side]) command.lift[side] = kLift;
   if (there) command.axes.setZero();
@@ -225,8 +300,17 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
   return std::nullopt;
 }
 
+std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
+  const double past = edges_.empty() ? -1.0 : edges_.back();
+  if (std::min(sight.sole.left.p.x(), sight.sole.right.p.x()) > past) return std::nullopt;
+  Command command;
+  command.axes[0] = 1.0;
+  if (std::abs(sight.heading) > kYawSpot) command.axes[5] = turn_back(sight.heading);
+  return command;
+}
+
 Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
-  const double comfortable = 0.95 * robot_->profile().region.hand_distance;
+  const double comfortable = kFromTarget[approach_ % kFromTarget.size()] * robot_->profile().region.hand_distance;
   const double below = sight.shoulder.z() - door_.z();
   const double ahead = std::sqrt(std::max(0.0, comfortable * comfortable - below * below));
   const Vec2 shoulder = (sight.shoulder - sight.com).head<2>();
@@ -240,7 +324,7 @@ std::optional<Command> RoomOperator::cross(const Sight& sight) const {
   Command command = deflect(Part::trunk, sight, Vec3(shift.x(), shift.y(), 0), robot_->profile().reach.trunk);
   command.axes.z() = 0.0;
   command.axes.head<2>() *= std::pow(0.7, refusals_);
-  if (std::abs(yaw) > kYawSpot) command.axes[5] = std::clamp(-yaw / robot_->profile().reach.rotation, -1.0, 1.0);
+  if (std::abs(yaw) > kYawSpot) command.axes[5] = turn_back(yaw);
   return command;
 }
 

@@ -1,6 +1,8 @@
-/// A scripted operator that does the paper's task in the room by the stick alone: down the steps foot by foot,
-/// across the floor by the trunk, to door B by the hand. It looks, as a person would, with an error; it waits
-/// until the robot rests, decides on one deflection, holds it until the robot moves, and lets go.
+/// A scripted operator that does the paper's task in the room by the stick alone: down the steps foot by foot, or, with
+/// a robot that flows, by the trunk; across the floor by the trunk, to door B by the hand. It looks, as a person would,
+/// with an error. With a robot that comes to rest after each motion it waits for that, decides on one deflection, holds
+/// it until the robot moves, and lets go. With one that flows it steers: it holds the stick and corrects it as it goes;
+/// foot by foot, it decides as soon as a foot has landed.
 #pragma once
 
 #include <random>
@@ -19,11 +21,13 @@ class RoomOperator {
     double patience = 0.3;           ///< a deflection that moves nothing is given up after this [s]
     double near = 0.004;             ///< the hand is at the door when it is seen as near as this [m]
     double settle = 1.3;             ///< how long the hand is then held there [s]
+    bool foot_by_foot = false;       ///< down the steps, as in the paper, also with a robot that flows
+    double foresight = 0.2;          ///< what moves is taken to go on for that long after the stick is let go of [s]
   };
 
   /// @throws InputError the world has no site `door_B`
-  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed);
-  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Parameters parameters);
+  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait);
+  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait, Parameters parameters);
 
   /// The stick at this moment, by what is seen of the session.
   [[nodiscard]] Command decide(const Session& session);
@@ -47,11 +51,18 @@ class RoomOperator {
   };
 
   [[nodiscard]] Sight look(const Session& session);
+  /// Where it will come to rest by itself, by this look and the last.
+  [[nodiscard]] Sight foreseen(const Session& session);
+  /// One deflection after the other.
+  [[nodiscard]] Command step_by_step(const Session& session);
+  /// The stick corrected on the way.
+  [[nodiscard]] Command steer(const Session& session);
   /// The next deflection of this stage, or nothing if the stage is over.
   [[nodiscard]] std::optional<Command> next(const Sight& sight);
   [[nodiscard]] std::optional<Command> face(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> change_height(const Sight& sight, double height) const;
   [[nodiscard]] std::optional<Command> go_down(const Sight& sight);
+  [[nodiscard]] std::optional<Command> walk_down(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> cross(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> align(const Sight& sight);
   [[nodiscard]] std::optional<Command> reach(const Sight& sight) const;
@@ -60,9 +71,13 @@ class RoomOperator {
                                                  double tolerance);
   /// `shift` [m, world] as deflection of the three position axes, never more than full.
   [[nodiscard]] Command deflect(Part part, const Sight& sight, const Vec3& shift, double full) const;
+  /// The deflection that takes a yaw back to straight ahead.
+  [[nodiscard]] double turn_back(double yaw) const;
   [[nodiscard]] Vec2 place_to_reach_from(const Sight& sight) const;
 
   const RobotModel* robot_;
+  Gait gait_;
+  bool foot_by_foot_;  ///< down the steps
   Parameters parameters_;
   std::mt19937_64 random_;
   Kinematics kinematics_;
@@ -71,10 +86,17 @@ class RoomOperator {
   double sole_length_ = 0.0;   ///< half [m]
 
   Stage stage_ = Stage::face;
-  Command stick_;           ///< as held now
-  bool deflected_ = false;  ///< a deflection is held until the robot moves
-  double since_ = 0.0;      ///< rest, or the present deflection, began then [s]
-  int refusals_ = 0;        ///< in a row
+  Command stick_;                 ///< as held now
+  bool deflected_ = false;        ///< a deflection is held until the robot moves
+  long moved_ = 0;                ///< motions before it
+  bool swung_ = false;            ///< a foot was up since
+  std::optional<Stage> steered_;  ///< the stage in which it has steered as far as that goes
+  std::optional<Sight> last_look_;
+  double looked_ = 0.0;          ///< when [s]
+  double since_ = 0.0;           ///< rest, or the present deflection, began then [s]
+  int refusals_ = 0;             ///< in a row
+  double reaching_since_ = 0.0;  ///< [s]
+  std::size_t approach_ = 0;     ///< places that the hand was stretched out from in vain
   BySide<bool> lifted_{false, false};
   BySide<Vec2> landing_{Vec2::Zero(), Vec2::Zero()};  ///< where a lifted foot is to land
 };

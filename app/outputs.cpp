@@ -35,6 +35,7 @@ std::string script_line(double t, const Command& command) {
     axes += (axes.empty() ? "" : ", ") + number(axis);
   const char* recall = command.recall == Recall::retrace ? R"(, "retrace": true)"
                        : command.recall == Recall::home  ? R"(, "home": true)"
+                       : command.recall == Recall::stop  ? R"(, "stop": true)"
                                                          : "";
   return fmt::format(R"({{"t": {}, "guide": "{}", "axes": [{}], "lift": [{}, {}]{}}})", number(t),
                      to_string(command.guide), axes, number(command.lift.left), number(command.lift.right), recall);
@@ -48,8 +49,14 @@ Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<
   session.on_tick = [this](const TickRecord& record) {
     report_.add(record);
     if (trace_) trace_->add(record);
+    if (recording_) recording_->add(record, record.truth.fallen);
   };
   session.on_plan = [this](const PlanRecord& record) { report_.add(record); };
+}
+
+void Outputs::record(Session& session, const std::filesystem::path& file, const nlohmann::json& head) {
+  recording_.emplace(file, head);
+  session.on_event = [this](PlanningEvent event) { recording_->add(event); };
 }
 
 nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed, double wall,
@@ -62,7 +69,9 @@ nlohmann::json Outputs::write(const std::string& world, const std::string& on, l
     written = report_file_->flush().good();
   }
   if (trace_) written = trace_->close() && written;
-  if (!written) throw std::runtime_error("the trace or the report could not be written whole: is the disk full?");
+  if (recording_) written = recording_->close() && written;
+  if (!written)
+    throw std::runtime_error("the trace, the recording or the report could not be written whole: is the disk full?");
   return summary;
 }
 

@@ -36,6 +36,11 @@ class Outputs {
   Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
+  /// Records the run besides, for `baton replay`.
+  /// @param head what the run is of
+  /// @throws InputError the file cannot be written
+  void record(Session& session, const std::filesystem::path& file, const nlohmann::json& head);
+
   /// Writes the report, with the members of `extra` added, and closes the trace; returns the report.
   /// @throws std::runtime_error something could not be written whole
   nlohmann::json write(const std::string& world, const std::string& on, long seed, double wall,
@@ -45,6 +50,7 @@ class Outputs {
   Report report_;
   std::optional<std::ofstream> report_file_;
   std::optional<Trace> trace_;
+  std::optional<RecordingWriter> recording_;
 };
 
 }  // namespace baton::app

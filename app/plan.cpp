@@ -17,7 +17,7 @@ int plan(const PlanOptions& o) {
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
   Script script = Script::load(o.script);
-  Session session(robot, world, Session::On::ideal, std::nullopt, {}, modes_of(o.duration, o.on_limit));
+  Session session(robot, world, Session::On::ideal, std::nullopt, {}, modes_of(o.modes));
   if (o.out) make_folder(*o.out, "--out");
   nlohmann::json segments = nlohmann::json::array();
   int motions = 0;
@@ -25,13 +25,14 @@ int plan(const PlanOptions& o) {
     const double t = static_cast<double>(record.problem.take_over) * robot.profile().tick.period;
     nlohmann::json entry = {{"t", t}, {"guide", to_string(record.problem.command.guide)}};
     if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
-      entry.update(to_json(*motion, record.result.anchor));
+      entry.update(to_json(*motion, record.result.context.anchor));
       if (o.out) {
         const auto file = *o.out / fmt::format("segment_{:03}.json", motions++);
-        std::ofstream(file) << motion_file(*motion, {o.robot, o.world, record.result.anchor}).dump() << "\n";
+        std::ofstream(file) << motion_file(*motion, {o.robot, o.world, record.result.context.anchor}).dump() << "\n";
         entry["file"] = file.string();
       }
     } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {
+      if (record.problem.context.goes_on) return;  // it is asked again at rest
       entry["refused"] = to_json(*refusal);
     } else {
       return;

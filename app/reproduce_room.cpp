@@ -148,7 +148,7 @@ int reproduce_room(const std::filesystem::path& out) {
     }
   }
   const bool reached = longest >= 1.0 && !session.fallen();
-  outputs.write(world.name(), "sim", 0, std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count());
+  outputs.write(world.name(), "sim", 0, seconds_since(wall));
   const nlohmann::json summary = {{"falls", session.fallen() ? 1 : 0},
                                   {"duration_s", reached ? reached_at : session.t()},
                                   {"reached", reached},

@@ -7,9 +7,9 @@
 
 namespace baton::app {
 
-Modes modes_of(const std::string& duration, const std::string& on_limit) {
-  return {duration == "search" ? DurationRule::search : DurationRule::paper,
-          on_limit == "discard" ? OnLimit::discard : OnLimit::shrink};
+Modes modes_of(const ModeOptions& o) {
+  return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
+          o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink, o.gait == "flow" ? Gait::flow : Gait::stop};
 }
 
 double cpu_us() {
@@ -18,12 +18,17 @@ double cpu_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 Session::Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start,
                  SimulatedRobot::Parameters parameters, Modes modes)
     : robot_(&robot),
       world_(&world),
       start_(start ? *start : stand(robot, world.site("start"), robot.profile().stance.com_height)),
-      navigator_(robot, start_),
+      navigator_(robot, start_, modes.gait),
+      modes_(modes),
       planning_(robot, world, modes) {
   const double period = robot.profile().tick.period;
   if (on == On::sim) {
@@ -43,15 +48,41 @@ void Session::step(const Command& command) {
   const double before = cpu_us();
   const JointTarget& target = navigator_.tick(measurement, command);
   const double tick_us = cpu_us() - before;
-  if (on_tick) on_tick({t_, navigator_, body_->truth(), target, tick_us});
+  if (on_tick) on_tick({t_, navigator_, measurement, body_->truth(), target, tick_us});
   body_->write(target);
-  if (const std::optional<Problem> problem = navigator_.request()) {
-    const double asked = cpu_us();
-    PlanningResult result = planning_.plan(*problem);
-    if (on_plan) on_plan({t_, *problem, result, cpu_us() - asked});
-    navigator_.offer(std::move(result));
-  }
+  thread_ ? plan_aside() : plan_at_once();
   t_ = static_cast<double>(++ticks_) * robot_->profile().tick.period;
+}
+
+void Session::plan_on_a_thread() {
+  thread_.emplace(*robot_, *world_, modes_);
+}
+
+void Session::plan_at_once() {
+  const std::optional<Problem> problem = ask();
+  if (!problem) return;
+  const double asked = cpu_us();
+  PlanningResult result = planning_.plan(*problem);
+  const double plan_us = cpu_us() - asked;
+  answered({*problem, std::move(result), plan_us});
+}
+
+void Session::plan_aside() {
+  if (std::optional<PlanningThread::Answer> answer = thread_->poll()) answered(*std::move(answer));
+  if (!thread_->idle()) return;
+  if (std::optional<Problem> problem = ask()) thread_->post(*std::move(problem));
+}
+
+std::optional<Problem> Session::ask() {
+  std::optional<Problem> problem = navigator_.request();
+  if (problem && on_event) on_event(PlanningEvent::ask);
+  return problem;
+}
+
+void Session::answered(PlanningThread::Answer answer) {
+  if (on_plan) on_plan({t_, answer.problem, answer.result, answer.plan_us});
+  if (on_event) on_event(PlanningEvent::offer);
+  navigator_.offer(std::move(answer.result));
 }
 
 }  // namespace baton::app

@@ -1,22 +1,29 @@
 /// One run: robot, world, navigator, planner and a device, tick by tick.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "app/commands.hpp"
+#include "app/planning_thread.hpp"
 #include "baton/input/device.hpp"
 #include "baton/navigate/navigator.hpp"
+#include "baton/record/recording.hpp"
 #include "baton/record/tick_record.hpp"
 #include "baton/robot/simulated_robot.hpp"
 
 namespace baton::app {
 
 /// The modes that options name.
-[[nodiscard]] Modes modes_of(const std::string& duration, const std::string& on_limit);
+[[nodiscard]] Modes modes_of(const ModeOptions& options);
 
 /// Thread CPU time [µs].
 [[nodiscard]] double cpu_us();
+
+/// By the clock on the wall [s].
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
 class Session {
  public:
@@ -30,6 +37,11 @@ class Session {
   /// Called with every tick, and with every answer of the planner.
   std::function<void(const TickRecord&)> on_tick;
   std::function<void(const PlanRecord&)> on_plan;
+  std::function<void(PlanningEvent)> on_event;
+
+  /// From now on planning has a thread of its own, for a run by the clock on the wall: answers come when they are
+  /// ready, and are dropped if that is too late. Without it they come at once, whatever the clock says.
+  void plan_on_a_thread();
 
   /// Lives through one tick with this command.
   void step(const Command& command);
@@ -47,6 +59,11 @@ class Session {
   [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
 
  private:
+  void plan_at_once();
+  void plan_aside();
+  [[nodiscard]] std::optional<Problem> ask();
+  void answered(PlanningThread::Answer answer);
+
   const RobotModel* robot_;
   const World* world_;
   Posture start_;
@@ -54,7 +71,9 @@ class Session {
   SimulatedRobot* simulated_ = nullptr;
   std::unique_ptr<TransparentRobot> body_;
   Navigator navigator_;
+  Modes modes_;
   Planning planning_;
+  std::optional<PlanningThread> thread_;
   double t_ = 0.0;
   long ticks_ = 0;
 };

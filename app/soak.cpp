@@ -22,10 +22,6 @@ using Json = nlohmann::json;
 
 constexpr long kEnough = 1000;  ///< failures after which there is no use in going on
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 /// Replaces a file as a whole: whoever reads it finds the old or the new text.
 void write_whole(const std::filesystem::path& file, const std::string& text) {
   std::filesystem::path fresh = file;
@@ -43,12 +39,13 @@ class SoakReport {
  public:
   SoakReport(const SoakOptions& o, const RobotModel& robot, const World& world)
       : file_(*o.report),
-        head_({{"soak", 1},
+        head_({{"soak", 2},
                {"robot", robot.profile().name},
                {"world", world.name()},
                {"on", o.on},
-               {"duration", o.duration},
-               {"on_limit", o.on_limit},
+               {"duration", o.modes.duration},
+               {"gait", o.modes.gait},
+               {"on_limit", o.modes.on_limit},
                {"seed", o.seed},
                {"episode_s", o.episode}}),
         period_(robot.profile().tick.period) {}
@@ -205,13 +202,15 @@ class Progress {
 void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeResult& result, double period) {
   const Tally::Failure& failure = result.tally.listed.front();
   const std::string file = fmt::format("{}.{}-{}.jsonl", o.report->string(), o.seed, failure.episode);
-  write_whole(file, episodes.script(failure.episode));
+  write_whole(file, episodes.script(failure.episode, result));
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
   fmt::print(
-      "  baton drive --robot {} --world {} --on {} --duration {} --on-limit {} --input script:{} --fast --seconds "
+      "  baton drive --robot {} --world {} --on {} --duration {} --gait {} --on-limit {} --input script:{} --fast "
+      "--seconds "
       "{:.3f}\n",
-      o.robot, o.world, o.on, o.duration, o.on_limit, file, static_cast<double>(result.ticks) * period);
+      o.robot, o.world, o.on, o.modes.duration, o.modes.gait, o.modes.on_limit, file,
+      static_cast<double>(result.ticks) * period);
   std::fflush(stdout);
 }
 
@@ -221,9 +220,7 @@ int soak(const SoakOptions& o) {
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
-  const Modes modes{o.duration == "paper" ? DurationRule::paper : DurationRule::search,
-                    o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink};
-  const Episodes episodes(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, modes,
+  const Episodes episodes(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, modes_of(o.modes),
                           static_cast<std::uint64_t>(o.seed), o.episode);
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();
@@ -258,8 +255,13 @@ int soak(const SoakOptions& o) {
   report.write(progress.seconds(), o.jobs);
   if (tally.failures >= kEnough) fmt::print("enough failures\n");
   if (interrupted) fmt::print("interrupted; --resume goes on\n");
-  fmt::print("{} violations in {} segments: failure rate below {:.2g} with 95 % confidence\n", tally.failures,
-             tally.segments, failure_rate_95(tally.failures, tally.segments));
+  const Tally::Retrace& back = tally.retrace;
+  fmt::print(
+      "{} violations in {} segments: failure rate below {:.2g} with 95 % confidence; {} of {} motions retraced, {:.2g} "
+      "m "
+      "and {:.2g} rad off at most\n",
+      tally.failures, tally.segments, failure_rate_95(tally.failures, tally.segments), back.arrived, back.tried,
+      back.worst_m, back.worst_rad);
   return tally.failures == 0 ? kDone : kFailed;
 }
 

@@ -44,9 +44,20 @@ Command Stick::next() {
   }
   --stretch_;
   --hold_;
+  Command command = command_;
+  if (until_away_-- == 0) {
+    away_ = ticks(25, 100);
+    if (style_ == Style::pinned || 4 * deflected_ < 3 * (ticks_ + away_)) away_ = 0;
+    until_away_ = away_ + ticks(60, 400);
+  }
+  if (away_ > 0) {
+    --away_;
+    command = Command{};
+    command.guide = command_.guide;
+  }
   ++ticks_;
-  deflected_ += deflected(command_) ? 1 : 0;
-  return command_;
+  deflected_ += deflected(command) ? 1 : 0;
+  return command;
 }
 
 int Stick::ticks(int milliseconds_lo, int milliseconds_hi) {
@@ -71,7 +82,7 @@ void Stick::begin_stretch() {
   switch (style_) {
     case Style::recall:
       stretch_ = ticks(300, 6000);
-      command_.recall = dice_.percent(60) ? Recall::retrace : Recall::home;
+      command_.recall = dice_.percent(60) ? Recall::retrace : dice_.percent(50) ? Recall::home : Recall::stop;
       break;
     case Style::calm:
       stretch_ = ticks(2000, 6000);

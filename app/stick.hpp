@@ -46,7 +46,7 @@ class Stick {
     throttles,  ///< both levers up and down
     broken,     ///< not a number, denormal, infinite, out of range
     centred,    ///< let go
-    recall,     ///< back along what was done, or home, whatever the stick does meanwhile
+    recall,     ///< back along what was done, home, or stop, whatever the stick does meanwhile
   };
   static constexpr std::array<std::string_view, 11> kNames{
       "calm", "full", "any", "hectic", "reversal", "modes", "pinned", "throttles", "broken", "centred", "recall"};
@@ -54,7 +54,8 @@ class Stick {
   /// @param period of a tick [s]
   Stick(std::uint64_t seed, double period);
 
-  /// The command of the next tick. At any time the stick has been deflected for at least 75 % of it, but for the
+  /// The command of the next tick. Unless it is pinned, the stick is let go of again and again for a moment, at random
+  /// ticks, as if the device were lost. At any time the stick has been deflected for at least 75 % of it, but for the
   /// stretch under way.
   [[nodiscard]] Command next();
 
@@ -76,9 +77,11 @@ class Stick {
   Dice dice_;
   double period_;
   Style style_ = Style::centred;
-  int stretch_ = 0;  ///< ticks that the style goes on
-  int hold_ = 0;     ///< ticks until the next command
-  int pace_ = 1;     ///< ticks from one reversal to the next
+  int stretch_ = 0;     ///< ticks that the style goes on
+  int hold_ = 0;        ///< ticks until the next command
+  int until_away_ = 0;  ///< ticks until the device is lost, or let go of, for a moment
+  int away_ = 0;        ///< ticks until it is back
+  int pace_ = 1;        ///< ticks from one reversal to the next
   bool first_ = true;
   Command command_;
   long ticks_ = 0;

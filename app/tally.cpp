@@ -50,10 +50,16 @@ void Tally::add(const Tally& other) {
   deflected += other.deflected;
   segments += other.segments;
   shrunk += other.shrunk;
+  let_go += other.let_go;
   given += other.given;
   moved += other.moved;
   travel += other.travel;
   failures += other.failures;
+  retrace.tried += other.retrace.tried;
+  retrace.arrived += other.retrace.arrived;
+  retrace.refused += other.retrace.refused;
+  retrace.worst_m = std::max(retrace.worst_m, other.retrace.worst_m);
+  retrace.worst_rad = std::max(retrace.worst_rad, other.retrace.worst_rad);
   for (const auto& [reason, count] : other.refused)
     refused[reason] += count;
   for (const auto& [kind, count] : other.bad)
@@ -78,9 +84,16 @@ nlohmann::json Tally::json() const {
           {"deflected_ticks", deflected},
           {"segments", segments},
           {"shrunk", shrunk},
+          {"let_go", let_go},
           {"refused", nlohmann::json(refused)},
           {"commands", {{"given", given}, {"moved", moved}}},
           {"travel_m", travel},
+          {"retrace",
+           {{"tried", retrace.tried},
+            {"arrived", retrace.arrived},
+            {"refused", retrace.refused},
+            {"worst_m", retrace.worst_m},
+            {"worst_rad", retrace.worst_rad}}},
           {"violations", nlohmann::json(bad)},
           {"failures", failures},
           {"first_failures", list}};
@@ -93,10 +106,14 @@ Tally Tally::from_json(const nlohmann::json& json) {
   json.at("deflected_ticks").get_to(tally.deflected);
   json.at("segments").get_to(tally.segments);
   json.at("shrunk").get_to(tally.shrunk);
+  json.at("let_go").get_to(tally.let_go);
   json.at("refused").get_to(tally.refused);
   json.at("commands").at("given").get_to(tally.given);
   json.at("commands").at("moved").get_to(tally.moved);
   json.at("travel_m").get_to(tally.travel);
+  const nlohmann::json& back = json.at("retrace");
+  tally.retrace = {back.at("tried").get<long>(), back.at("arrived").get<long>(), back.at("refused").get<long>(),
+                   back.at("worst_m").get<double>(), back.at("worst_rad").get<double>()};
   json.at("violations").get_to(tally.bad);
   json.at("failures").get_to(tally.failures);
   for (const auto& f : json.at("first_failures")) {

@@ -17,7 +17,7 @@ namespace baton::app {
 struct Tally {
   /// Something that must not happen.
   struct Failure {
-    std::string kind;  ///< of violation (docs/soak.md), `fall`, `stuck` or `exception`
+    std::string kind;  ///< of violation (docs/soak.md), `fall`, `stuck`, `retrace` or `exception`
     long episode = 0;
     double t = 0.0;  ///< from the episode's start [s]
     double value = 0.0;
@@ -26,15 +26,26 @@ struct Tally {
   };
   static constexpr std::size_t kListed = 100;  ///< failures that are kept one by one
 
+  /// Ways back at the ends of episodes, motion by motion.
+  struct Retrace {
+    long tried = 0;
+    long arrived = 0;  ///< where the robot rested before
+    long refused = 0;
+    double worst_m = 0.0;    ///< a COM or sole away from there
+    double worst_rad = 0.0;  ///< the trunk turned from there
+  };
+
   long episodes = 0;
   long ticks = 0;
   long deflected = 0;  ///< ticks with the stick deflected
   long segments = 0;   ///< committed
   long shrunk = 0;     ///< of these, only a part of what was asked for
+  long let_go = 0;     ///< of these, with the stick let go of on the way
   std::map<std::string, long> refused;
   long given = 0;  ///< commands, as docs/report.md counts them
   long moved = 0;
-  double travel = 0.0;              ///< [m]
+  double travel = 0.0;  ///< [m]
+  Retrace retrace;
   std::map<std::string, long> bad;  ///< failures by kind; each kind once a segment at most
   long failures = 0;                ///< segments with at least one of them
   std::vector<Failure> listed;      ///< the first ones

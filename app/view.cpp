@@ -6,14 +6,6 @@
 #include "baton/record/trace.hpp"
 
 namespace baton::app {
-namespace {
-
-Pose in_world(const Pose& anchor, const Pose& pose) {
-  return anchor * pose;
-}
-
-}  // namespace
-
 View::View(const Session& session, int port)
     : scene_(compile_text(session.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
@@ -56,8 +48,8 @@ void View::show(const Session& session, const DeviceStatus& device) {
     goal.com = anchor * goal.com;
     goal.trunk = anchor.R * goal.trunk;
     for (const Side side : kSides) {
-      goal.sole[side] = in_world(anchor, goal.sole[side]);
-      if (goal.hand[side]) goal.hand[side] = in_world(anchor, *goal.hand[side]);
+      goal.sole[side] = anchor * goal.sole[side];
+      if (goal.hand[side]) goal.hand[side] = anchor * *goal.hand[side];
     }
     frame.goal = std::move(goal);
     frame.segment_time = session.t() - segment_start_;
@@ -66,7 +58,7 @@ void View::show(const Session& session, const DeviceStatus& device) {
   }
   frame.history = nav.history();
   frame.contact = plan.contact;
-  const BySide<Pose> sole{in_world(anchor, plan.sole.left), in_world(anchor, plan.sole.right)};
+  const BySide<Pose> sole{anchor * plan.sole.left, anchor * plan.sole.right};
   frame.support_height = plan.zmp_height + anchor.p.z();
   frame.support = support_polygon(session.robot(), sole, plan.contact, anchor * plan.com, frame.support_height);
   frame.com = Eigen::Map<const Vec3>(data_->subtree_com);

@@ -88,7 +88,8 @@ class Cockpit::Server {
   Server(const Parameters& parameters, const RobotModel& robot, const std::string& world, const mjModel& scene)
       : parameters_(parameters),
         robot_(robot),
-        scene_(scene_document(robot, world, scene).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) {
+        scene_(scene_document(robot, world, scene).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)),
+        device_(parameters.clock) {
     if (parameters_.host == "localhost") parameters_.host = "127.0.0.1";
     if (parameters_.host != "127.0.0.1" && parameters_.host != "[::1]") {
       throw InputError(fmt::format("page: host '{}' is not this machine: give 127.0.0.1 or [::1]", parameters_.host));
@@ -357,7 +358,10 @@ void Cockpit::Server::send_states(Page& page) {
       next = std::max(next + period, Clock::now());
       const std::optional<PageDevice::Page> driver = device_.driver();
       const Role role = driver == page.number ? Role::driver : Role::watcher;
-      open = send(MG_WEBSOCKET_OPCODE_TEXT, state_message(*frame, robot_, role, driver.has_value()));
+      // A driver has to know when its own stick does not count, whichever device is obeyed meanwhile.
+      const DeviceStatus own = device_.status();
+      const DeviceStatus& device = role == Role::driver && !own.armed ? own : frame->device;
+      open = send(MG_WEBSOCKET_OPCODE_TEXT, state_message(*frame, device, robot_, role, driver.has_value()));
     }
   }
   send(MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE, {});

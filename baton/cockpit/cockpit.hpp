@@ -2,7 +2,9 @@
 /// gave out. One page drives, the others watch (docs/page.md).
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -19,6 +21,10 @@ class Cockpit {
     std::filesystem::path page{};    ///< folder of the built page
     double period = 1.0 / 30.0;      ///< least time between two states for one page [s]
     int pages = 8;                   ///< most pages at a time
+    /// By which the driver's silence is counted [s]; never goes back, and any thread calls it.
+    std::function<double()> clock = [] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    };
   };
 
   /// Listens from now on. `scene` is the world named `world` composed with the robot, as compiled; it is read

@@ -1,69 +1,76 @@
 #include "baton/cockpit/page_device.hpp"
 
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "baton/model/error.hpp"
+
 namespace baton {
+
+PageDevice::PageDevice(Clock clock, const Parameters& parameters) : clock_(std::move(clock)), parameters_(parameters) {
+  if (!(parameters.silence > 0.0)) {
+    throw InputError(fmt::format("page: silence = {}: must be more than 0 s", parameters.silence));
+  }
+}
 
 bool PageDevice::take(Page page) {
   const std::scoped_lock lock(mutex_);
-  if (stage_ != Stage::absent) return driver_ == page;
-  stage_ = Stage::taken;
+  if (driver_) return *driver_ == page;
   driver_ = page;
-  fresh_ = true;
+  heard_at_ = clock_();
+  arming_.update(true, false);
   return true;
 }
 
 void PageDevice::release(Page page) {
   const std::scoped_lock lock(mutex_);
-  if (stage_ == Stage::absent || driver_ != page) return;
-  stage_ = Stage::absent;
-  command_ = {.guide = command_.guide};
+  if (driver_ != page) return;
+  driver_.reset();
+  arming_.update(false, false);
 }
 
 std::optional<PageDevice::Page> PageDevice::driver() const {
   const std::scoped_lock lock(mutex_);
-  if (stage_ == Stage::absent) return std::nullopt;
   return driver_;
 }
 
 bool PageDevice::give(Page page, const Command& command, bool deadman) {
   const Command wanted = deadman ? sanitised(command) : Command{.guide = command.guide};
   const std::scoped_lock lock(mutex_);
-  if (stage_ == Stage::absent || driver_ != page) return false;
-  if (stage_ == Stage::silent || (stage_ == Stage::taken && wanted.neutral())) stage_ = Stage::armed;
+  if (driver_ != page) return false;
+  if (!heard()) arming_.update(false, false);  // a silence counts, whether anybody read meanwhile or not
+  heard_at_ = clock_();
+  arming_.update(true, at_rest(wanted));
   command_ = wanted;
-  fresh_ = true;
   return true;
 }
 
-Command PageDevice::read(double t) {
+Command PageDevice::read(double /*t*/) {
   const std::scoped_lock lock(mutex_);
-  if (fresh_ || t < heard_at_) heard_at_ = t;
-  fresh_ = false;
-  const double silence = t - heard_at_;
-  if (stage_ == Stage::armed && silence > parameters_.silence) stage_ = Stage::silent;
-  if (stage_ == Stage::silent && silence > parameters_.disarm) stage_ = Stage::taken;
-  return stage_ == Stage::armed ? command_ : Command{.guide = command_.guide};
+  if (!heard()) arming_.update(false, false);
+  return arming_.armed() ? command_ : Command{.guide = command_.guide};
 }
 
 DeviceStatus PageDevice::status() const {
   const std::scoped_lock lock(mutex_);
   DeviceStatus status;
   status.name = "page";
-  status.connected = stage_ != Stage::absent;
-  status.armed = stage_ == Stage::armed;
-  switch (stage_) {
-    case Stage::absent:
-      status.hint = "Nobody drives: open the page and take the stick.";
-      break;
-    case Stage::taken:
-      status.hint = "Let go of all keys and sticks once.";
-      break;
-    case Stage::silent:
-      status.hint = "The driver's page is silent.";
-      break;
-    case Stage::armed:
-      break;
+  status.connected = heard();
+  status.armed = status.connected && arming_.armed();
+  if (!driver_) {
+    status.hint = "Nobody drives: open the page and take the stick.";
+  } else if (!status.connected) {
+    status.hint = "No signal from the page that drives: the stick counts as centred.";
+  } else if (!status.armed) {
+    status.hint = "Let go of all keys, sliders and sticks once.";
   }
   return status;
+}
+
+/// Whether there is a driver that is not silent.
+bool PageDevice::heard() const {
+  return driver_ && clock_() - heard_at_ <= parameters_.silence;
 }
 
 }  // namespace baton

@@ -2,25 +2,33 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
+#include <utility>
 
+#include "baton/input/arming.hpp"
 #include "baton/input/device.hpp"
 
 namespace baton {
 
 /// Pages are known by numbers. Every function may be called from any thread.
+///
+/// A page may be gone although its connection is not: hidden, frozen, behind a network that stalls. So its messages are
+/// its heartbeat, counted when they come in, by a clock of their own: the time of the run stands still while a tick is
+/// late, and hurries afterwards.
 class PageDevice final : public Device {
  public:
   using Page = std::uint64_t;
+  using Clock = std::function<double()>;  ///< [s], never goes back; any thread calls it
 
   struct Parameters {
-    double silence = 0.25;  ///< a driver that said nothing for longer counts as centred [s, of the run]
-    double disarm = 2.0;    ///< after this long it also has to be neutral once more [s, of the run]
+    double silence = 0.25;  ///< a driver that said nothing for longer counts as gone [s, by the clock]
   };
 
-  PageDevice() = default;
-  explicit PageDevice(const Parameters& parameters) : parameters_(parameters) {}
+  /// @throws InputError `silence` is not positive
+  PageDevice(Clock clock, const Parameters& parameters);
+  explicit PageDevice(Clock clock) : PageDevice(std::move(clock), Parameters{}) {}
 
   /// Gives the driver's seat to a page if it is free. True if the page drives now.
   bool take(Page page);
@@ -32,28 +40,22 @@ class PageDevice final : public Device {
   /// drive.
   bool give(Page page, const Command& command, bool deadman);
 
-  /// The driver's newest command. Neutral, for the part chosen last, while there is no driver, until the
-  /// driver was neutral once, and when nothing new has come for `silence`.
+  /// The driver's newest command. Neutral, for the part chosen last, while there is no driver, when nothing
+  /// has come from it for `silence`, and from then on until it was at rest once.
   [[nodiscard]] Command read(double t) override;
 
   [[nodiscard]] DeviceStatus status() const override;
 
  private:
-  /// How far the driver has come.
-  enum class Stage {
-    absent,  ///< nobody drives
-    taken,   ///< someone drives, but was not neutral yet
-    armed,   ///< commands count
-    silent,  ///< they would, but nothing came for a while
-  };
+  [[nodiscard]] bool heard() const;
 
-  Parameters parameters_{};
+  Clock clock_;
+  Parameters parameters_;
   mutable std::mutex mutex_;
-  Stage stage_ = Stage::absent;
-  Page driver_ = 0;
-  Command command_;
-  bool fresh_ = false;     ///< a command came since the last read
-  double heard_at_ = 0.0;  ///< run time of the read that found it [s]
+  std::optional<Page> driver_;
+  Arming arming_;          ///< of the driver; absent while it is silent
+  double heard_at_ = 0.0;  ///< when the driver last said something [s, by the clock]
+  Command command_;        ///< its newest
 };
 
 }  // namespace baton

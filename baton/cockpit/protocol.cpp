@@ -64,7 +64,7 @@ json refusal(const Refusal& refusal) {
           {"where", refusal.where}};
 }
 
-constexpr std::array<std::string_view, 3> kRecalls{"none", "retrace", "home"};
+constexpr std::array<std::string_view, 4> kRecalls{"none", "retrace", "home", "stop"};
 
 std::optional<Recall> recall_named(std::string_view name) {
   const auto* found = std::find(kRecalls.begin(), kRecalls.end(), name);
@@ -105,7 +105,7 @@ PageMessage parse_command(const json& message) {
   const auto recalled = message.find("recall");
   if (recalled == message.end() || !recalled->is_string()) return Malformed{"command: recall is not a text"};
   const std::optional<Recall> recall = recall_named(recalled->get_ref<const std::string&>());
-  if (!recall) return Malformed{"command: recall is not none, retrace or home"};
+  if (!recall) return Malformed{"command: recall is not none, retrace, home or stop"};
   steer.command.recall = *recall;
   if (deadman == message.end() || !deadman->is_boolean()) return Malformed{"command: deadman is not true or false"};
   steer.deadman = deadman->get<bool>();
@@ -127,42 +127,41 @@ PageMessage parse_page_message(std::string_view text) {
   return Malformed{"unknown type of message"};
 }
 
-std::string state_message(const Frame& frame, const RobotModel& robot, Role role, bool taken) {
+std::string state_message(const Frame& frame, const DeviceStatus& device, const RobotModel& robot, Role role,
+                          bool taken) {
   json bodies = json::array();
   for (const Pose& body : frame.bodies)
     bodies.push_back(pose(body));
   json support = json::array();
   for (const Vec2& vertex : frame.support.vertices())
     support.push_back(numbers(vertex));
-  const json message{{"type", "state"},
-                     {"role", role == Role::driver ? "driver" : "watcher"},
-                     {"taken", taken},
-                     {"t", number(frame.t)},
-                     {"bodies", bodies},
-                     {"guide", to_string(frame.command.guide)},
-                     {"axes", numbers(frame.command.axes)},
-                     {"lift", {number(frame.command.lift.left), number(frame.command.lift.right)}},
-                     {"recall", kRecalls.at(static_cast<std::size_t>(frame.command.recall))},
-                     {"device",
-                      {{"name", frame.device.name},
-                       {"connected", frame.device.connected},
-                       {"armed", frame.device.armed},
-                       {"hint", frame.device.hint}}},
-                     {"goal", frame.goal ? goal(*frame.goal, robot) : json(nullptr)},
-                     {"segment", {{"time", number(frame.segment_time)}, {"duration", number(frame.segment_duration)}}},
-                     {"contact", by_side(frame.contact)},
-                     {"support", support},
-                     {"support_height", number(frame.support_height)},
-                     {"com", numbers(frame.com)},
-                     {"zmp", numbers(frame.zmp)},
-                     {"dcm", numbers(frame.dcm)},
-                     {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
-                     {"refusals", frame.refusals},
-                     {"refused_in_a_row", frame.refused_in_a_row},
-                     {"limit", frame.limit ? refusal(*frame.limit) : json(nullptr)},
-                     {"history", frame.history},
-                     {"message", frame.message},
-                     {"fallen", frame.fallen}};
+  const json message{
+      {"type", "state"},
+      {"role", role == Role::driver ? "driver" : "watcher"},
+      {"taken", taken},
+      {"t", number(frame.t)},
+      {"bodies", bodies},
+      {"guide", to_string(frame.command.guide)},
+      {"axes", numbers(frame.command.axes)},
+      {"lift", {number(frame.command.lift.left), number(frame.command.lift.right)}},
+      {"recall", kRecalls.at(static_cast<std::size_t>(frame.command.recall))},
+      {"device",
+       {{"name", device.name}, {"connected", device.connected}, {"armed", device.armed}, {"hint", device.hint}}},
+      {"goal", frame.goal ? goal(*frame.goal, robot) : json(nullptr)},
+      {"segment", {{"time", number(frame.segment_time)}, {"duration", number(frame.segment_duration)}}},
+      {"contact", by_side(frame.contact)},
+      {"support", support},
+      {"support_height", number(frame.support_height)},
+      {"com", numbers(frame.com)},
+      {"zmp", numbers(frame.zmp)},
+      {"dcm", numbers(frame.dcm)},
+      {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
+      {"refusals", frame.refusals},
+      {"refused_in_a_row", frame.refused_in_a_row},
+      {"limit", frame.limit ? refusal(*frame.limit) : json(nullptr)},
+      {"history", frame.history},
+      {"message", frame.message},
+      {"fallen", frame.fallen}};
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -33,8 +33,9 @@ inline constexpr std::size_t kLargestMessage = 4096;  ///< [bytes] from a page
 /// A page's standing towards the driver's seat.
 enum class Role { driver, watcher };
 
-/// The `state` message; `taken`: whether any page drives.
-[[nodiscard]] std::string state_message(const Frame& frame, const RobotModel& robot, Role role, bool taken);
+/// The `state` message; `device`: the one that this page is told about; `taken`: whether any page drives.
+[[nodiscard]] std::string state_message(const Frame& frame, const DeviceStatus& device, const RobotModel& robot,
+                                        Role role, bool taken);
 
 /// The `error` message.
 [[nodiscard]] std::string error_message(std::string_view text);

@@ -3,7 +3,16 @@
 
 #include <cstdint>
 
+#include "baton/guide/command.hpp"
+
 namespace baton {
+
+/// Whether nothing is asked for, by whichever part is guided: stricter than `Command::neutral`, for a throttle that is
+/// still up would lift its foot as soon as that is guided.
+[[nodiscard]] inline bool at_rest(const Command& command) {
+  return command.recall == Recall::none && command.axes.isZero(0.0) && command.lift.left == 0.0 &&
+         command.lift.right == 0.0;
+}
 
 /// A stick that comes back after a lost link may be zeroed wrongly, or be held deflected: it has to show
 /// neutral first.

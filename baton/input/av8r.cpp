@@ -4,7 +4,17 @@ namespace baton {
 namespace {
 
 enum Axis : std::size_t { kStickRight, kStickAft, kLever1, kTwistRight, kLever2 };
-enum Button : std::size_t { kLauncher = 1, kMain = 2, kT1 = 4, kT2 = 5, kT3 = 6, kT4 = 7, kModeA = 12, kModeB = 13 };
+enum Button : std::size_t {
+  kTrigger = 0,
+  kLauncher = 1,
+  kMain = 2,
+  kT1 = 4,
+  kT2 = 5,
+  kT3 = 6,
+  kT4 = 7,
+  kModeA = 12,
+  kModeB = 13
+};
 
 Part guided_part(const Av8rState& state, Side side) {
   const bool a = state.buttons[kModeA];
@@ -31,7 +41,7 @@ Command av8r_command(const Av8rState& state, Side side, const Av8rMapping& mappi
   command.axes << state.hat_up, -state.hat_right, up,  //
       stick(kStickRight, 1.0), stick(kStickAft, -1.0), stick(kTwistRight, -1.0);
   command.lift = {lever(kLever1), lever(kLever2)};
-  command.recall = state.buttons[kT3] ? Recall::retrace : state.buttons[kT4] ? Recall::home : Recall::none;
+  command.recall = recall_of(state.buttons[kTrigger], state.buttons[kT3], state.buttons[kT4]);
   return command;
 }
 

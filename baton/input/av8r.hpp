@@ -32,7 +32,7 @@ struct Av8rMapping {
 [[nodiscard]] Side av8r_side(const Av8rState& state, Side previous);
 
 /// The command of any state: axes in −1…1, lifts in 0…1; the toggle chooses foot (A), trunk (middle) or hand
-/// (B) of `side`; T3 retraces, T4 goes home.
+/// (B) of `side`; the trigger stops, T3 retraces, T4 goes home.
 [[nodiscard]] Command av8r_command(const Av8rState& state, Side side, const Av8rMapping& mapping = {});
 
 }  // namespace baton

@@ -68,6 +68,7 @@ PadState pad_state(SDL_GameController* pad) {
           .y = held(SDL_CONTROLLER_BUTTON_Y),
           .back = held(SDL_CONTROLLER_BUTTON_BACK),
           .start = held(SDL_CONTROLLER_BUTTON_START),
+          .stick = held(SDL_CONTROLLER_BUTTON_LEFTSTICK) || held(SDL_CONTROLLER_BUTTON_RIGHTSTICK),
           .up = held(SDL_CONTROLLER_BUTTON_DPAD_UP),
           .down = held(SDL_CONTROLLER_BUTTON_DPAD_DOWN),
           .left = held(SDL_CONTROLLER_BUTTON_DPAD_LEFT),
@@ -78,11 +79,6 @@ Command neutral(Part guide) {
   Command command;
   command.guide = guide;
   return command;
-}
-
-bool at_rest(const Command& command) {
-  return command.recall == Recall::none && command.axes.isZero(0.0) && command.lift.left == 0.0 &&
-         command.lift.right == 0.0;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ Command pad_command(const PadState& state, Part guide, const PadMapping& mapping
       mapping.stick(-state.right_down),  //
       pair(state.right, state.left), pair(state.up, state.down), mapping.stick(-state.right_right);
   command.lift = {mapping.trigger(state.left_trigger), mapping.trigger(state.right_trigger)};
-  command.recall = state.back ? Recall::retrace : state.start ? Recall::home : Recall::none;
+  command.recall = recall_of(state.stick, state.back, state.start);
   return command;
 }
 

@@ -18,6 +18,7 @@ struct PadState {
   bool right_shoulder = false;
   bool a = false, b = false, x = false, y = false;
   bool back = false, start = false;
+  bool stick = false;                                          ///< the left or the right one, pressed in
   bool up = false, down = false, left = false, right = false;  ///< d-pad
 
   [[nodiscard]] bool operator==(const PadState&) const = default;
@@ -32,8 +33,8 @@ struct PadMapping {
 /// while none or several of them are pressed.
 [[nodiscard]] Part pad_guide(const PadState& state, Part previous);
 
-/// The command of any state: axes in −1…1, lifts in 0…1; back retraces, start goes home. The dead-man button is not
-/// looked at.
+/// The command of any state: axes in −1…1, lifts in 0…1; a stick pressed in stops, back retraces, start goes home. The
+/// dead-man button is not looked at.
 [[nodiscard]] Command pad_command(const PadState& state, Part guide, const PadMapping& mapping = {});
 
 }  // namespace baton

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -20,7 +21,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kSameTime = 1e-9;  // [s] ticks are counted in floating point
-constexpr std::array<std::string_view, 6> kKeys{"t", "guide", "axes", "lift", "retrace", "home"};
+constexpr std::array<std::string_view, 7> kKeys{"t", "guide", "axes", "lift", "retrace", "home", "stop"};
 
 /// Cut to a size that fits a message, between two characters of UTF-8.
 std::string shortened(std::string text, std::size_t longest) {
@@ -67,8 +68,8 @@ class Line {
     }
     for (const auto& [key, value] : json_.items()) {
       if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
-        throw InputError(
-            fmt::format("{}: unknown key {}: must be t, guide, axes, lift, retrace or home", place_, shown(Json(key))));
+        throw InputError(fmt::format("{}: unknown key {}: must be t, guide, axes, lift, retrace, home or stop", place_,
+                                     shown(Json(key))));
       }
     }
   }
@@ -103,11 +104,14 @@ class Line {
   }
 
   [[nodiscard]] Recall recall() const {
-    const bool back = held("retrace");
-    const bool home = held("home");
-    if (back && home)
-      throw InputError(fmt::format("{}: retrace and home are both true: must be one at a time", place_));
-    return back ? Recall::retrace : home ? Recall::home : Recall::none;
+    std::optional<std::string_view> pressed;
+    for (const char* button : {"retrace", "home", "stop"}) {
+      if (!held(button)) continue;
+      if (pressed)
+        throw InputError(fmt::format("{}: {} and {} are both true: must be one at a time", place_, *pressed, button));
+      pressed = button;
+    }
+    return recall_of(pressed == "stop", pressed == "retrace", pressed == "home");
   }
 
  private:

@@ -32,18 +32,18 @@ const std::string kThreeRefusals = R"({"t": 0.2, "guide": "left_foot", "axes": [
 
 /// The report of a script on the ideal robot, and what was logged.
 std::pair<json, std::string> drive(const std::string& script, const std::string& seconds,
-                                   const std::string& on_limit = "shrink") {
+                                   const std::string& on_limit = "shrink", const std::string& gait = "stop") {
   const Scratch scratch;
-  const Outcome outcome =
-      run({"drive", "--on", "ideal", "--world", "flat", "--fast", "--seconds", seconds, "--on-limit", on_limit,
-           "--input", "script:" + scratch.write("s.jsonl", script), "--report", scratch.path("r.json")});
+  const Outcome outcome = run({"drive", "--on", "ideal", "--world", "flat", "--fast", "--seconds", seconds,
+                               "--on-limit", on_limit, "--gait", gait, "--input",
+                               "script:" + scratch.write("s.jsonl", script), "--report", scratch.path("r.json")});
   EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
   return {scratch.json("r.json"), outcome.err};
 }
 
 json plan(const std::string& script) {
   const Scratch scratch;
-  const Outcome outcome = run({"plan", scratch.write("s.jsonl", script)});
+  const Outcome outcome = run({"plan", scratch.write("s.jsonl", script), "--gait", "stop"});
   EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
   return json::parse(outcome.out)["segments"];
 }
@@ -74,6 +74,26 @@ TEST(Recall, RetraceGoesBackToTheStartAndIsRefusedThere) {
   EXPECT_EQ(report["commands"]["moved"], 1);
 }
 
+TEST(Recall, AFlowingWalkIsRetracedWholeFromRestToRest) {
+  const json start = drive(R"({"t": 0})", "0.1").first["final"];
+  const auto [walk, ignored] = drive(kWalk, "4", "shrink", "flow");
+  EXPECT_GT(distance(start["com"], walk["final"]["com"]), 0.1);
+  EXPECT_GE(walk["segments"]["committed"], 4);
+  // One way back, over all motions that flowed into each other.
+  const std::string back = kWalk + R"({"t": 4, "retrace": true})" + "\n";
+  const auto [report, log] = drive(back, "12", "shrink", "flow");
+  for (const char* part : {"left_foot", "right_foot", "left_hand", "right_hand", "trunk"})
+    EXPECT_LT(distance(start[part]["p"], report["final"][part]["p"]), 1e-3) << part;
+  EXPECT_EQ(report["segments"]["committed"].get<int>(), walk["segments"]["committed"].get<int>() + 1);
+  // In two presses, with a rest on the way.
+  const std::string pressed = back + R"({"t": 4.1})" + "\n";
+  const auto [part_way, ignored_too] = drive(pressed, "12", "shrink", "flow");
+  EXPECT_GT(distance(part_way["final"]["com"], start["com"]), 0.02);
+  EXPECT_LT(distance(part_way["final"]["com"], start["com"]), distance(walk["final"]["com"], start["com"]) - 0.02);
+  const auto [twice, nor_that] = drive(pressed + R"({"t": 7, "retrace": true})", "12", "shrink", "flow");
+  EXPECT_LT(distance(twice["final"]["com"], start["com"]), 1e-3);
+}
+
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
   const double there = drive(kWalk, "4").first["final"]["com"][0];
   const double back =
@@ -100,6 +120,28 @@ TEST(Recall, HomeStepsToTheStanceThatItBeganIn) {
   EXPECT_NEAR(across(final, 1), across(start, 1), 1e-3);
   EXPECT_NEAR(final["com"][2], start["com"][2], 1e-3);
   EXPECT_EQ(report["segments"]["refused"], json::object());
+}
+
+TEST(Recall, StopComesToRestSoonerThanLettingGo) {
+  const auto resting_from = [](const std::string& stop) {
+    const Scratch scratch;
+    const std::string script =
+        scratch.write("s.jsonl", kWalk + R"({"t": 3, "axes": [1, 0, 0, 0, 0, 0]})" + "\n" + stop);
+    const Outcome outcome = run({"drive", "--on", "ideal", "--world", "flat", "--fast", "--seconds", "5", "--input",
+                                 "script:" + script, "--trace", scratch.path("t.csv")});
+    EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
+    const auto table = scratch.table("t.csv");
+    EXPECT_EQ(table.front()[3], "phase");
+    double rest = 0.0;
+    for (std::size_t k = 1; k < table.size(); ++k) {
+      if (table[k][3] != "hold") rest = std::stod(table[k][0]);
+    }
+    return rest;
+  };
+  const double let_go = resting_from(R"({"t": 4.1})");
+  const double stopped = resting_from(R"({"t": 4.1, "axes": [1, 0, 0, 0, 0, 0], "stop": true})");
+  EXPECT_GT(stopped, 4.1);
+  EXPECT_LT(stopped, let_go - 0.1);
 }
 
 TEST(Recall, ThreeRefusalsInARowAreSaidOnceUntilAMotionIsMade) {

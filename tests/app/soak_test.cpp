@@ -117,6 +117,14 @@ nlohmann::json timeless(nlohmann::json report) {
   return report;
 }
 
+/// A trace that ended at the episode's last tick, in the same configuration.
+void expect_same_end(const std::vector<std::vector<std::string>>& rows, const EpisodeResult& episode) {
+  ASSERT_EQ(static_cast<long>(rows.size()) - 1, episode.ticks);
+  const auto first = std::find(rows.front().begin(), rows.front().end(), "qpos_0") - rows.front().begin();
+  for (Eigen::Index i = 0; i < episode.q.size(); ++i)
+    EXPECT_NEAR(std::stod(rows.back()[static_cast<std::size_t>(first + i)]), episode.q[i], 1e-9) << i;
+}
+
 TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
   const Scratch scratch;
   const auto soak = [&](const std::string& file, const std::string& segments, std::vector<std::string> more = {}) {
@@ -125,23 +133,30 @@ TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
-  const Outcome one = soak("one.json", "20");
+  const Outcome one = soak("one.json", "60");
   ASSERT_EQ(one.code, kDone) << one.out << one.err;
   EXPECT_THAT(one.out, HasSubstr("0 violations in "));
-  ASSERT_EQ(soak("two.json", "20", {"--jobs", "2"}).code, kDone);
+  ASSERT_EQ(soak("two.json", "60", {"--jobs", "2"}).code, kDone);
   const nlohmann::json all = timeless(scratch.json("one.json"));
   EXPECT_EQ(all, timeless(scratch.json("two.json")));
-  EXPECT_GE(all["segments"].get<int>(), 20);
+  EXPECT_GE(all["segments"].get<int>(), 60);
   EXPECT_GE(all["deflected_share"].get<double>(), 0.7);
   EXPECT_EQ(all["failures"], 0);
+  const nlohmann::json& back = all["retrace"];
+  EXPECT_GE(back["tried"].get<int>(), 5);
+  EXPECT_EQ(back["arrived"], back["tried"]);
+  EXPECT_EQ(back["refused"], 0);
+  EXPECT_LT(back["worst_m"].get<double>(), 1e-6);
+  EXPECT_LT(back["worst_rad"].get<double>(), 1e-6);
+  EXPECT_THAT(one.out, HasSubstr(fmt::format("{0} of {0} motions retraced", back["tried"].get<int>())));
   EXPECT_NEAR(all["failure_rate_95"].get<double>(), failure_rate_95(0, all["segments"].get<long>()), 1e-15);
 
   ASSERT_EQ(soak("parts.json", "5").code, kDone);
   EXPECT_LT(scratch.json("parts.json")["episodes"], all["episodes"]);
-  ASSERT_EQ(soak("parts.json", "20", {"--resume"}).code, kDone);
+  ASSERT_EQ(soak("parts.json", "60", {"--resume"}).code, kDone);
   EXPECT_EQ(all, timeless(scratch.json("parts.json")));
 
-  const Outcome other = soak("parts.json", "20", {"--resume", "--world", "room"});
+  const Outcome other = soak("parts.json", "60", {"--resume", "--world", "room"});
   EXPECT_EQ(other.code, kBadInput);
   EXPECT_THAT(other.err, HasSubstr("world is \"flat\" there and \"room\" here"));
 }
@@ -163,8 +178,9 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
   EXPECT_EQ(report["violations"]["fall"], 1);
   const std::string script = scratch.path("r.json.5-0.jsonl");
   const double t = report["simulated_s"];
-  EXPECT_THAT(outcome.out, HasSubstr("baton drive --robot mighty --world " + file +
-                                     " --on sim --duration paper --on-limit shrink --input script:" + script));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("baton drive --robot mighty --world " + file +
+                        " --on sim --duration paper --gait flow --on-limit shrink --input script:" + script));
   EXPECT_THAT(outcome.out, HasSubstr(fmt::format("--seconds {:.3f}", t)));
 
   EXPECT_EQ(run({"drive", "--world", file, "--on", "sim", "--input", "script:" + script, "--fast", "--seconds",
@@ -174,11 +190,7 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
   const World gale(file);
   const std::atomic<bool> stop{false};
   const EpisodeResult again = Episodes(test::robot("mighty"), gale, Session::On::sim, {}, 5, 30.0).run(0, stop);
-  const auto rows = scratch.table("t.csv");
-  EXPECT_EQ(static_cast<long>(rows.size()) - 1, again.ticks);
-  const auto first = std::find(rows.front().begin(), rows.front().end(), "qpos_0") - rows.front().begin();
-  for (Eigen::Index i = 0; i < again.q.size(); ++i)
-    EXPECT_NEAR(std::stod(rows.back()[static_cast<std::size_t>(first + i)]), again.q[i], 1e-9) << i;
+  expect_same_end(scratch.table("t.csv"), again);
 }
 
 TEST(Soak, ReplaysToTheSameTickOnIdeal) {
@@ -188,16 +200,75 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
   const Episodes episodes(test::robot("mighty"), world, Session::On::ideal, {}, 11, 20.0);
   const EpisodeResult result = episodes.run(4, stop);
   EXPECT_GE(result.tally.segments, 3);
+  EXPECT_GE(result.tally.retrace.tried, 1);
+  EXPECT_LT(result.tally.ticks, result.ticks) << "the way back is not driven by the stick";
   ASSERT_EQ(run({"drive", "--world", "flat", "--on", "ideal", "--input",
-                 "script:" + scratch.write("s.jsonl", episodes.script(4)), "--fast", "--seconds",
+                 "script:" + scratch.write("s.jsonl", episodes.script(4, result)), "--fast", "--seconds",
                  fmt::format("{:.3f}", static_cast<double>(result.ticks) * kPeriod), "--trace", scratch.path("t.csv")})
                 .code,
             kDone);
-  const auto rows = scratch.table("t.csv");
-  ASSERT_EQ(static_cast<long>(rows.size()) - 1, result.ticks);
-  const auto first = std::find(rows.front().begin(), rows.front().end(), "qpos_0") - rows.front().begin();
-  for (Eigen::Index i = 0; i < result.q.size(); ++i)
-    EXPECT_NEAR(std::stod(rows.back()[static_cast<std::size_t>(first + i)]), result.q[i], 1e-9) << i;
+  expect_same_end(scratch.table("t.csv"), result);
+}
+
+/// A short episode with little room, at a kind of place where something was found before, or would be.
+struct Situation {
+  const char* name;
+  std::uint64_t seed;
+  long episode;
+  const char* robot = "mighty";
+  Session::On on = Session::On::ideal;
+  Modes modes = {};
+};
+
+class SoakInClutter : public testing::TestWithParam<Situation> {};
+
+INSTANTIATE_TEST_SUITE_P(Situations, SoakInClutter,
+                         testing::Values(Situation{"TallAndLeaning", 1, 54}, Situation{"AFootUpOverUnevenGround", 1, 9},
+                                         Situation{"AHandAtAnObstacle", 1, 47}, Situation{"ASwingAtAnEdge", 1, 173},
+                                         Situation{"TheShortestDurationOrNothing",
+                                                   1,
+                                                   24,
+                                                   "mighty",
+                                                   Session::On::ideal,
+                                                   {DurationRule::search, OnLimit::discard}},
+                                         Situation{"ALargerRobot", 1, 6, "scaled"},
+                                         Situation{"AFootThatSlippedAtAnEdge", 1, 27, "mighty", Session::On::sim}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_P(SoakInClutter, NothingGoesWrong) {
+  const Situation& s = GetParam();
+  const World clutter(std::string(BATON_SOURCE_DIR) + "/tests/worlds/clutter.xml");
+  const Episodes episodes(test::robot(s.robot), clutter, s.on, s.modes, s.seed, s.on == Session::On::sim ? 8.0 : 10.0);
+  const std::atomic<bool> stop{false};
+  const Tally tally = episodes.run(s.episode, stop).tally;
+  for (const Tally::Failure& failure : tally.listed) {
+    ADD_FAILURE() << failure.kind << " at " << failure.t << " s: " << failure.value << ", limit " << failure.limit
+                  << " " << failure.where;
+  }
+  EXPECT_EQ(tally.failures, 0);
+  EXPECT_GE(tally.segments, 5);
+  EXPECT_GE(tally.retrace.tried, 1);
+  if (s.on == Session::On::ideal) {
+    EXPECT_EQ(tally.retrace.arrived, tally.retrace.tried);
+  }
+}
+
+TEST(Soak, AWayBackThatIsRefusedIsAFailure) {
+  // The ground ends under the heels: the robot goes forward from there, and no foot may be put down there again.
+  const Scratch scratch;
+  const std::string file = scratch.write("edge.xml", R"(<mujoco model="edge"><worldbody><site name="start"/>
+<geom name="ground" type="box" pos="4.98 0 -1" size="5 5 1"/></worldbody></mujoco>)");
+  const Outcome outcome = run({"soak", "--world", file, "--segments", "8", "--seed", "1", "--episode", "3", "--report",
+                               scratch.path("r.json")});
+  EXPECT_EQ(outcome.code, kFailed);
+  const nlohmann::json report = scratch.json("r.json");
+  EXPECT_GE(report["retrace"]["refused"].get<int>(), 1);
+  EXPECT_EQ(report["violations"]["retrace"], report["retrace"]["refused"]);
+  for (const auto& failure : report["first_failures"]) {
+    if (failure["kind"] == "retrace") {
+      EXPECT_EQ(failure["where"], "ground");
+    }
+  }
 }
 
 TEST(Soak, KnowsWhenNothingGoesAnyMore) {
@@ -208,9 +279,11 @@ TEST(Soak, KnowsWhenNothingGoesAnyMore) {
   GuideContext& context = problem.context;
   context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
   context.foothold = context.from.sole;
+  problem.start = context.from;
   EXPECT_FALSE(stuck(planning, problem));
   const int elbow = robot.arm(Side::left).back();
   context.from.q[7 + elbow] = robot.joints()[static_cast<std::size_t>(elbow)].position.hi + 0.1;
+  problem.start = context.from;
   EXPECT_TRUE(stuck(planning, problem));
 }
 

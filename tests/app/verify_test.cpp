@@ -15,6 +15,8 @@ class Verify : public testing::Test {
     const std::string script = scratch_.write("walk.jsonl", R"({"t": 0, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
 {"t": 1.5, "guide": "left_hand", "axes": [0, 0, 1, 0, 0, 0]}
 {"t": 3.0}
+{"t": 4.0, "retrace": true}
+{"t": 9.0}
 )");
     const test::Outcome planned = run({"plan", script, "--world", "flat", "--out", scratch_.path("motions")});
     plan_ = nlohmann::json::parse(planned.out);
@@ -25,7 +27,7 @@ class Verify : public testing::Test {
 };
 
 TEST_F(Verify, FindsTheSameMarginsAgain) {
-  int checked = 0;
+  int checked = 0, backwards = 0;
   for (const auto& segment : plan_["segments"]) {
     if (segment.contains("refused")) continue;
     const test::Outcome outcome = run({"verify", segment["file"].get<std::string>()});
@@ -40,8 +42,10 @@ TEST_F(Verify, FindsTheSameMarginsAgain) {
       EXPECT_NEAR(now["value"].get<double>(), then["value"].get<double>(), 1e-9) << now["quantity"];
     }
     ++checked;
+    if (segment["retraces"].get<bool>()) ++backwards;
   }
   EXPECT_GE(checked, 4);
+  EXPECT_GE(backwards, 1);
 }
 
 TEST_F(Verify, RefusesAMotionThatWasTamperedWith) {
@@ -69,7 +73,7 @@ TEST_F(Verify, AFileThatIsNoMotionIsNamed) {
   };
   says("no.json", "{");
   EXPECT_THAT(says("empty.json", "{}"), HasSubstr("robot is missing"));
-  for (const std::string key : {"robot", "world", "anchor", "period", "phases", "dq0", "samples"}) {
+  for (const std::string key : {"robot", "world", "anchor", "period", "phases", "dq0", "retraces", "samples"}) {
     auto lacking = good;
     lacking.erase(key);
     EXPECT_THAT(says("lacking_" + key + ".json", lacking.dump()), HasSubstr(key + " is missing"));

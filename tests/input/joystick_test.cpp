@@ -104,7 +104,7 @@ TEST_F(JoystickTest, AStickIsNeutralBeforeItIsArmed) {
   EXPECT_EQ(read().axes[4], 1.0);
 }
 
-TEST_F(JoystickTest, Av8rGoesBackWhileT3OrT4IsHeld) {
+TEST_F(JoystickTest, Av8rGoesBackWhileT3OrT4AndStopsWhileTheTriggerIsHeld) {
   VirtualAv8r stick;
   stick.button(6, true);
   EXPECT_EQ(read(), Command{});
@@ -118,11 +118,14 @@ TEST_F(JoystickTest, Av8rGoesBackWhileT3OrT4IsHeld) {
   EXPECT_EQ(read(), recall(Recall::retrace)) << "of both, retrace wins";
   stick.button(6, false);
   EXPECT_EQ(read(), recall(Recall::home));
+  stick.button(0, true);
+  EXPECT_EQ(read(), recall(Recall::stop)) << "the trigger wins over both";
+  stick.button(0, false);
   stick.button(7, false);
   EXPECT_EQ(read(), Command{});
 }
 
-TEST_F(JoystickTest, PadGoesBackWhileBackOrStartAndTheDeadManButtonAreHeld) {
+TEST_F(JoystickTest, PadGoesBackOrStopsWhileItsButtonAndTheDeadManButtonAreHeld) {
   VirtualPad pad;
   pad.button(SDL_CONTROLLER_BUTTON_BACK, true);
   EXPECT_EQ(read(), Command{});
@@ -138,6 +141,11 @@ TEST_F(JoystickTest, PadGoesBackWhileBackOrStartAndTheDeadManButtonAreHeld) {
   EXPECT_EQ(read(), recall(Recall::retrace)) << "of both, retrace wins";
   pad.button(SDL_CONTROLLER_BUTTON_BACK, false);
   EXPECT_EQ(read(), recall(Recall::home));
+  for (const auto pressed_in : {SDL_CONTROLLER_BUTTON_LEFTSTICK, SDL_CONTROLLER_BUTTON_RIGHTSTICK}) {
+    pad.button(pressed_in, true);
+    EXPECT_EQ(read(), recall(Recall::stop)) << "it wins over both";
+    pad.button(pressed_in, false);
+  }
   pad.button(SDL_CONTROLLER_BUTTON_LEFTSHOULDER, false);
   EXPECT_EQ(read(), Command{});
 }

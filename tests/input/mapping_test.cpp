@@ -45,8 +45,8 @@ class MappingTest : public testing::Test {
       *axis = position();
     for (double* trigger : {&s.left_trigger, &s.right_trigger})
       *trigger = std::abs(position());
-    for (bool* button : {&s.left_shoulder, &s.right_shoulder, &s.a, &s.b, &s.x, &s.y, &s.back, &s.start, &s.up, &s.down,
-                         &s.left, &s.right}) {
+    for (bool* button : {&s.left_shoulder, &s.right_shoulder, &s.a, &s.b, &s.x, &s.y, &s.back, &s.start, &s.stick,
+                         &s.up, &s.down, &s.left, &s.right}) {
       *button = held();
     }
     return s;
@@ -109,7 +109,7 @@ TEST_F(MappingTest, Av8rSignsAreThoseOfTheTable) {
     const bool a = s.buttons[12];
     const bool b = s.buttons[13];
     EXPECT_EQ(c.guide, a == b ? Part::trunk : a ? Part::left_foot : Part::left_hand);
-    EXPECT_EQ(c.recall, s.buttons[6] ? Recall::retrace : s.buttons[7] ? Recall::home : Recall::none);
+    EXPECT_EQ(c.recall, recall_of(s.buttons[0], s.buttons[6], s.buttons[7]));
   }
 }
 
@@ -183,7 +183,7 @@ TEST_F(MappingTest, PadSignsAreThoseOfTheTable) {
     EXPECT_LE(c.axes[2] * s.right_down, 0.0);
     EXPECT_EQ(c.axes[3], s.right - s.left);
     EXPECT_EQ(c.axes[4], s.up - s.down);
-    EXPECT_EQ(c.recall, s.back ? Recall::retrace : s.start ? Recall::home : Recall::none);
+    EXPECT_EQ(c.recall, recall_of(s.stick, s.back, s.start));
     EXPECT_LE(c.axes[5] * s.right_right, 0.0);
   }
 }

@@ -1,0 +1,56 @@
+#include "app/planning_thread.hpp"
+
+#include <utility>
+
+#include "app/session.hpp"
+
+namespace baton::app {
+
+PlanningThread::PlanningThread(const RobotModel& robot, const World& world, Modes modes)
+    : planning_(robot, world, modes), thread_([this] { run(); }) {}
+
+PlanningThread::~PlanningThread() {
+  // An answer that is being worked out comes first, then the end.
+  State expected = State::posted;
+  while ((expected = state_.load()) == State::posted || !state_.compare_exchange_weak(expected, State::ending))
+    state_.wait(State::posted);
+  state_.notify_one();
+  thread_.join();
+}
+
+void PlanningThread::post(Problem problem) {
+  answer_.problem = std::move(problem);
+  state_.store(State::posted, std::memory_order_release);
+  state_.notify_one();
+}
+
+std::optional<PlanningThread::Answer> PlanningThread::poll() {
+  if (state_.load(std::memory_order_acquire) != State::answered) return std::nullopt;
+  std::optional<Answer> answer = std::move(answer_);
+  const std::exception_ptr error = std::exchange(error_, nullptr);
+  state_.store(State::idle, std::memory_order_release);
+  if (error) std::rethrow_exception(error);
+  return answer;
+}
+
+void PlanningThread::run() {
+  for (;;) {
+    State state = state_.load(std::memory_order_acquire);
+    while (state == State::idle || state == State::answered) {
+      state_.wait(state);
+      state = state_.load(std::memory_order_acquire);
+    }
+    if (state == State::ending) return;
+    try {
+      const double asked = cpu_us();
+      answer_.result = planning_.plan(answer_.problem);
+      answer_.plan_us = cpu_us() - asked;
+    } catch (...) {
+      error_ = std::current_exception();
+    }
+    state_.store(State::answered, std::memory_order_release);
+    state_.notify_all();
+  }
+}
+
+}  // namespace baton::app
