@@ -90,7 +90,11 @@ export class Gamepad {
         -axis(2), // yaw: right stick left
       ].map((value) => value + 0), // no −0
       lift: [trigger(Button.LT), trigger(Button.RT)],
-      recall: oneOf([pressed(Button.Back) ? 'retrace' : 'none', pressed(Button.Start) ? 'home' : 'none']),
+      recall: oneOf([
+        pressed(Button.LS) || pressed(Button.RS) ? 'stop' : 'none',
+        pressed(Button.Back) ? 'retrace' : 'none',
+        pressed(Button.Start) ? 'home' : 'none',
+      ]),
       deadman: !this.needsHold || pressed(Button.LB),
       choose: this.newChoice(pressed),
     };

@@ -68,6 +68,7 @@ export class Hud {
     };
     this.whilePressed('retrace');
     this.whilePressed('home');
+    this.whilePressed('stop');
     this.onClick('take', actions.takeOrLeave);
     this.onClick('follow', actions.toggleFollow);
     this.onClick('help-button', () => this.toggleHelp());
@@ -104,6 +105,12 @@ export class Hud {
   disconnected(): void {
     this.role('lost', 'no connection');
     this.cover('The program does not answer. The page comes back by itself when it runs again.');
+  }
+
+  /** The connection stands, and nothing comes through; the next state takes it back. */
+  noSignal(): void {
+    this.role('lost', 'no signal');
+    note('hint', 'No signal from the program: what is seen is old, and the stick counts as centred.');
   }
 
   pad(description: string): void {
@@ -149,7 +156,7 @@ export class Hud {
 
   private wayBack(state: State, asked: Recall): void {
     const held = asked === 'none' ? state.recall : asked;
-    for (const way of ['retrace', 'home']) element(way).classList.toggle('on', way === held);
+    for (const way of ['retrace', 'home', 'stop']) element(way).classList.toggle('on', way === held);
     text('left', state.history > 0 ? String(state.history) : '');
     note('recall', recallText(state));
     note('stuck', stuckText(state.refused_in_a_row, state.history));
@@ -204,7 +211,7 @@ export class Hud {
     };
   }
 
-  /** A button of a way back: only while it is pressed, and the pointer on it. */
+  /** A button in place of the stick: only while it is pressed, and the pointer on it. */
   private whilePressed(way: Exclude<Recall, 'none'>): void {
     const button = element<HTMLButtonElement>(way);
     const { buttons } = this.stick;

@@ -17,8 +17,13 @@ const axisKeys: Record<string, [axis: number, sign: number]> = {
   KeyE: [5, -1],
 };
 
-/** Key → way back, while it is held. */
-const recallKeys: Record<string, Recall> = { Backspace: 'retrace', KeyH: 'home', Home: 'home' };
+/** Key → way back or to rest, while it is held. */
+const recallKeys: Record<string, Recall> = {
+  Backspace: 'retrace',
+  KeyH: 'home',
+  Home: 'home',
+  Space: 'stop',
+};
 
 export class Keyboard {
   private readonly held = new Set<string>();

@@ -3,13 +3,15 @@ import { Hud } from './hud';
 import { Markers } from './markers';
 import { type Command, type Model, type State } from './protocol';
 import { Robot } from './scene';
+import { Signal } from './signal';
 import { Link } from './socket';
 import { sameCommand, Stick } from './stick';
 import { View } from './view';
 
-const sendPeriod = 33; // of commands while driving [ms]
+const sendPeriod = 33; // of commands while driving: the heartbeat that the program listens for [ms]
 
 const stick = new Stick();
+const signal = new Signal();
 let view: View | null = null;
 let state: State | null = null;
 let drew: State | null = null;
@@ -61,7 +63,7 @@ function letGo(): void {
 }
 
 addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return stick.letGo(); // the browser's own
+  if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // the browser's own
   const help = event.key === '?' || event.code === 'Slash';
   if (document.querySelector('dialog[open]') && !help) return;
   stick.keyboard.shift(event.shiftKey);
@@ -81,6 +83,7 @@ addEventListener('keyup', (event) => {
   send(false);
 });
 addEventListener('blur', letGo);
+addEventListener('pagehide', letGo);
 document.addEventListener('visibilitychange', () => {
   if (document.hidden) letGo();
 });
@@ -102,6 +105,10 @@ async function show(): Promise<void> {
 
   const draw = (now: number): void => {
     requestAnimationFrame(draw);
+    if (signal.lost(now)) {
+      letGo(); // nobody should hold keys for a robot that is not seen
+      hud.noSignal();
+    }
     if (state) {
       if (state !== drew) {
         robot.pose(state.bodies);
@@ -126,6 +133,7 @@ link.onOpen = () => {
 link.onState = (newest) => {
   const newly = newest.role === 'driver' && state?.role !== 'driver';
   state = newest;
+  signal.heard(performance.now());
   if (newly) stick.letGo();
   if (newest.role === 'driver' && newest.recall !== 'none') stick.goingBack(newest.contact);
   hud.cover('');
@@ -133,6 +141,7 @@ link.onState = (newest) => {
 link.onClose = () => {
   lost = true;
   state = null;
+  signal.closed();
   stick.letGo();
   hud.disconnected();
 };

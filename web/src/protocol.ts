@@ -8,13 +8,13 @@ export const isFoot = (part: Part): boolean => part.endsWith('_foot');
 /** "left_foot" → "left foot" */
 export const inWords = (name: string): string => name.replaceAll('_', ' ');
 
-/** A way back while it is held: what was done last, backwards; to the stance it began in. */
-export type Recall = 'none' | 'retrace' | 'home';
+/** While it is held: what was done last, backwards; to the stance it began in; to rest, as quickly as can be. */
+export type Recall = 'none' | 'retrace' | 'home' | 'stop';
 
-/** One of those held: retrace wins. */
+/** One of those held: stop wins, then retrace. */
 export const oneOf = (held: Iterable<Recall>): Recall => {
   const all = new Set(held);
-  return all.has('retrace') ? 'retrace' : all.has('home') ? 'home' : 'none';
+  return (['stop', 'retrace', 'home'] as const).find((recall) => all.has(recall)) ?? 'none';
 };
 
 /** What the page asks for: x forward, y left, z up, roll, pitch, yaw in −1…1; lift of each foot in 0…1. */

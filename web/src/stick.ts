@@ -17,7 +17,7 @@ export class Stick {
     this.lift = [0, 0];
   }
 
-  /** Keys that are no axes: 1…5 choose, L lifts the guided foot or lowers it, Space lets go. */
+  /** Keys that are no axes: 1…5 choose, L lifts the guided foot or lowers it, Space lets go of all else. */
   press(code: string): boolean {
     const digit = /^(?:Digit|Numpad)([1-5])$/.exec(code);
     if (digit) {
@@ -26,15 +26,14 @@ export class Stick {
       if (!isFoot(this.guide)) return true;
       const foot = this.guide === 'left_foot' ? 0 : 1;
       this.lift[foot] = this.lift[foot] > 0 ? 0 : 1;
-    } else if (code === 'Space') {
-      this.letGo();
     } else {
+      if (code === 'Space') this.letGo();
       return this.keyboard.press(code);
     }
     return true;
   }
 
-  /** The way back that keys and buttons of the page ask for. */
+  /** What keys and buttons of the page ask for in place of the stick. */
   recall(): Recall {
     return oneOf([this.keyboard.recall(), ...this.buttons]);
   }
@@ -54,8 +53,8 @@ export class Stick {
     const recall = this.recall();
     const idle = recall === 'none' && axes.every((value) => value === 0);
     if (held !== null && touched(held) && (held.deadman || idle)) {
-      const { axes, lift, recall, deadman } = held;
-      return { guide: this.guide, axes, lift, recall, deadman };
+      const { axes, lift, deadman } = held;
+      return { guide: this.guide, axes, lift, recall: oneOf([held.recall, recall]), deadman };
     }
     return { guide: this.guide, axes, lift: [...this.lift], recall, deadman: true };
   }

@@ -75,17 +75,21 @@ describe('the pad', () => {
     expect(stick.command(pad({ ...push, index: 1 })).axes[0]).toBe(0);
   });
 
-  test('goes back while Back or Start is held, and the bumper', () => {
+  test('goes back while Back or Start is held, stops while a stick is pressed in, and the bumper', () => {
     const stick = armed();
     const recall = (...buttons: number[]): string =>
       stick.command(pad({ buttons: { ...LB, ...Object.fromEntries(buttons.map((b) => [b, 1])) } })).recall;
     expect(recall(8)).toBe('retrace');
     expect(recall(9)).toBe('home');
     expect(recall(8, 9)).toBe('retrace');
+    expect(recall(8, 10)).toBe('stop');
+    expect(recall(11)).toBe('stop');
     expect(recall()).toBe('none');
     expect(stick.command(pad({ buttons: { 8: 1 } })).deadman).toBe(false);
     stick.press('KeyH');
     expect(stick.command(pad({ buttons: { 8: 1 } }))).toMatchObject({ recall: 'home', deadman: true });
+    stick.press('Space');
+    expect(recall(8)).toBe('stop'); // whatever the pad asks for
   });
 
   test('counts once Back and Start were let go, too', () => {

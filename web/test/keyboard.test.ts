@@ -57,23 +57,26 @@ test('L lifts the guided foot and lowers it, and no hand', () => {
   expect(lift()).toEqual([0, 0]);
 });
 
-test('letting go centres everything and keeps the part', () => {
+test('Space centres everything, keeps the part, and stops while it is held', () => {
   const stick = new Stick();
   for (const code of ['Digit1', 'KeyL', 'KeyW', 'Space']) stick.press(code);
   expect(stick.command(null)).toEqual({
     guide: 'left_foot',
     axes: [0, 0, 0, 0, 0, 0],
     lift: [0, 0],
-    recall: 'none',
+    recall: 'stop',
     deadman: true,
   });
+  stick.keyboard.release('Space');
+  expect(stick.command(null).recall).toBe('none');
 });
 
-test('Backspace retraces and H or Home goes home, while held', () => {
+test('Backspace retraces, H or Home goes home, and Space stops, while held', () => {
   for (const [code, way] of [
     ['Backspace', 'retrace'],
     ['KeyH', 'home'],
     ['Home', 'home'],
+    ['Space', 'stop'],
   ] as const) {
     const stick = new Stick();
     expect(stick.press(code)).toBe(true);
@@ -84,12 +87,15 @@ test('Backspace retraces and H or Home goes home, while held', () => {
   }
 });
 
-test('of both ways back, retrace wins, be they keys or buttons', () => {
+test('stop wins over retrace, and retrace over home, be they keys or buttons', () => {
   const stick = new Stick();
   stick.buttons.add('home');
   expect(stick.command(null).recall).toBe('home');
   stick.press('Backspace');
   expect(stick.command(null).recall).toBe('retrace');
+  stick.buttons.add('stop');
+  expect(stick.command(null).recall).toBe('stop');
+  stick.buttons.delete('stop');
   stick.keyboard.release('Backspace');
   expect(stick.command(null).recall).toBe('home');
   stick.buttons.delete('home');

@@ -6,12 +6,14 @@ const goal = {} as Goal;
 const words = (recall: State['recall'], history: number, of: Goal | null): string =>
   recallText({ recall, history, goal: of });
 
-test('the way back under way is named', () => {
+test('what is asked for in place of the stick is named', () => {
   expect(words('none', 5, goal)).toBe('');
   expect(words('retrace', 5, goal)).toBe('retracing: back the way it came, 5 more');
   expect(words('retrace', 0, goal)).toBe('retracing: back the way it came'); // the first motion of all
   expect(words('retrace', 0, null)).toBe('');
   expect(words('home', 0, null)).toMatch(/^home: /);
+  expect(words('stop', 5, goal)).toBe('stopping');
+  expect(words('stop', 5, null)).toMatch(/^stopped: /);
 });
 
 test('after three refusals in a row it is said what leads out', () => {

@@ -4,6 +4,8 @@ import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { chromium, type Browser, type Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test } from 'vitest';
+import type { Command } from '../../src/protocol';
+import { Relay } from './relay';
 
 const path = (relative: string): string => fileURLToPath(new URL(relative, import.meta.url));
 const program = process.env.BATON ?? path('../../../build/release/baton');
@@ -14,7 +16,9 @@ let baton: ChildProcess;
 let browser: Browser;
 let page: Page;
 let url = '';
+let relay: Relay; // between the page that drives at first and the program
 const complaints: string[] = [];
+const sent: Command[] = []; // by the page that drives at first
 
 /** Starts the program and returns the address that it prints. */
 function start(): Promise<string> {
@@ -47,13 +51,19 @@ function start(): Promise<string> {
   });
 }
 
-async function open(width: number, height: number): Promise<Page> {
+async function open(width: number, height: number, at: string): Promise<Page> {
   const opened = await browser.newPage({ viewport: { width, height } });
   opened.on('pageerror', (error) => complaints.push(String(error)));
   opened.on('console', (message) => {
     if (message.type() === 'error') complaints.push(message.text());
   });
-  await opened.goto(url);
+  opened.on('websocket', (socket) => {
+    socket.on('framesent', ({ payload }) => {
+      const message = JSON.parse(String(payload)) as { type: string } & Command;
+      if (message.type === 'command' && (!page || opened === page)) sent.push(message);
+    });
+  });
+  await opened.goto(at);
   return opened;
 }
 
@@ -76,18 +86,47 @@ beforeAll(async () => {
   ];
   const executablePath = process.env.CHROMIUM ?? '/usr/bin/chromium';
   browser = await chromium.launch({ executablePath, headless: true, args: [...args, ...quiet] });
-  page = await open(1280, 800);
+  relay = await Relay.to(url);
+  page = await open(1280, 800, relay.url);
   await role(page, 'driver');
 });
 
 afterAll(async () => {
   await browser?.close();
+  relay?.close();
   if (baton && baton.exitCode === null) {
     const ended = new Promise((resolve) => baton.on('exit', resolve));
     baton.kill('SIGINT');
     await ended;
   }
 });
+
+type Grip = [press: () => Promise<void>, release: () => Promise<void>];
+const key = (name: string): Grip => [() => page.keyboard.down(name), () => page.keyboard.up(name)];
+const button = (id: string): Grip => [
+  () => page.hover(id).then(() => page.mouse.down()),
+  () => page.mouse.up(),
+];
+
+/**
+ * Holds a key or a button until something has come about; the caller lets go. Where the machine is so busy that the page
+ * is silent for a moment, it does not count before everything was let go: so it is pressed anew now and then.
+ */
+async function hold([press, release]: Grip, done: () => Promise<boolean>): Promise<void> {
+  const began = performance.now();
+  for (;;) {
+    await press();
+    for (let look = 0; look < 30; ++look) {
+      if (await done()) return;
+      await page.waitForTimeout(100);
+    }
+    if (performance.now() - began > patience.timeout) {
+      throw new Error(`in vain: ${done}; the page says: ${await page.locator('body').innerText()}`);
+    }
+    await release();
+    await page.waitForTimeout(200);
+  }
+}
 
 afterEach(async () => {
   for (const key of ['w', 'a', 'd', 'h', 'Backspace']) await page.keyboard.up(key);
@@ -136,10 +175,7 @@ test('W in trunk mode moves the robot forward', async () => {
   await page.keyboard.press('5');
   await page.waitForSelector('#hint', { state: 'hidden', ...patience }); // armed
   const before = await comX();
-  await page.keyboard.down('w');
-  const moved = (from: number): boolean =>
-    parseFloat(document.getElementById('com')!.textContent!) > from + 0.01;
-  await page.waitForFunction(moved, before, patience);
+  await hold(key('w'), async () => (await comX()) > before + 0.01);
   mkdirSync(path('../../../build'), { recursive: true });
   await page.screenshot({ path: picture });
   await page.keyboard.up('w');
@@ -163,19 +199,34 @@ const shown = (id: string, words: RegExp): Promise<void> =>
 /** How many motions can be retraced. */
 const left = (): Promise<number> => page.locator('#left').innerText().then(Number);
 
-const motionsMade = (from: number): Promise<unknown> =>
-  page.waitForFunction((n) => Number(document.getElementById('left')!.textContent) > n, from, patience);
-const motionsRetraced = (from: number): Promise<unknown> =>
-  page.waitForFunction((n) => Number(document.getElementById('left')!.textContent) < n, from, patience);
+const moreThan = (motions: number) => async (): Promise<boolean> => (await left()) > motions;
+const lessThan = (motions: number) => async (): Promise<boolean> => (await left()) < motions;
+
+/** Back to the start: at rest, with nothing left to retrace; let go of before, the robot would stop on its way. */
+async function retraceAll(): Promise<void> {
+  await hold(key('Backspace'), () =>
+    page.evaluate(
+      () =>
+        document.getElementById('left')!.textContent === '' &&
+        document.getElementById('segment')!.textContent === 'at rest',
+    ),
+  );
+  await page.keyboard.up('Backspace');
+  await atRest();
+}
 
 describe('the ways back', () => {
-  /** To the right, where the floor is wide. */
-  async function walk(motions: number): Promise<number> {
+  beforeEach(retraceAll);
+
+  /** To the right, where the floor is wide, from one rest to the next. */
+  async function walk(rests: number): Promise<number> {
     await page.keyboard.press('5');
-    await page.keyboard.down('d');
-    await motionsMade(motions - 1);
-    await page.keyboard.up('d');
-    await atRest();
+    for (let k = 0; k < rests; ++k) {
+      const motions = await left();
+      await hold(key('d'), moreThan(motions));
+      await page.keyboard.up('d');
+      await atRest();
+    }
     return comY();
   }
 
@@ -190,26 +241,14 @@ describe('the ways back', () => {
     expect(await left()).toBe(motions);
   }
 
-  /** Back to the start, where nothing is left to retrace. */
-  async function retraceAll(): Promise<void> {
-    await page.keyboard.down('Backspace');
-    await page.waitForFunction(() => document.getElementById('left')!.textContent === '', null, patience);
-    await shown('#refusal', /^nothing left to retrace$/);
-    await page.keyboard.up('Backspace');
-    await atRest();
-  }
-
-  beforeEach(retraceAll);
-
   test('Backspace takes the robot back, while it is held', async () => {
     const start = await comY();
-    const there = await walk(8);
+    const there = await walk(6);
     expect(there).toBeLessThan(start - 0.01);
     const motions = await left();
-    await page.keyboard.down('Backspace');
-    await shown('#recall', /^retracing: /);
+    await hold(key('Backspace'), async () => /^retracing: /.test(await page.locator('#recall').innerText()));
     await page.waitForSelector('#retrace.on', patience);
-    await motionsRetraced(motions - 2);
+    await hold(key('Backspace'), lessThan(motions - 2));
     await page.keyboard.up('Backspace');
     await hasEnded();
     expect(await comY()).toBeGreaterThan(there);
@@ -226,9 +265,7 @@ describe('the ways back', () => {
       () => page.evaluate(() => window.dispatchEvent(new Event('blur'))),
     ]) {
       const motions = await left();
-      await page.hover('#retrace');
-      await page.mouse.down();
-      await motionsRetraced(motions);
+      await hold(button('#retrace'), lessThan(motions));
       await end();
       await hasEnded();
       await page.mouse.up();
@@ -236,37 +273,28 @@ describe('the ways back', () => {
   });
 
   test('Home goes home while its key or its button is held', async () => {
-    for (const [press, release] of [
-      [() => page.keyboard.down('h'), () => page.keyboard.up('h')],
-      [() => page.hover('#home').then(() => page.mouse.down()), () => page.mouse.up()],
-    ] as const) {
+    for (const home of [key('h'), button('#home')]) {
       await page.keyboard.press('1');
-      await page.keyboard.down('a');
-      await motionsMade(await left());
+      await hold(key('a'), moreThan(await left()));
       await page.keyboard.up('a'); // feet apart
       await atRest();
       const motions = await left();
-      await press();
-      await shown('#recall', /^home: /);
+      await hold(home, async () => /^home: /.test(await page.locator('#recall').innerText()));
       await page.waitForSelector('#home.on', patience);
-      await motionsMade(motions);
-      await release();
+      await hold(home, moreThan(motions));
+      await home[1]();
       await hasEnded();
     }
   });
 
   test('a motion that goes only a part of the way says why, and three refusals what leads out', async () => {
     await page.keyboard.press('1');
-    const limit = page.waitForFunction(
-      () => {
-        const note = document.getElementById('limit')!;
-        return !note.hidden && /^as far as it goes: left foot: .*reach/.test(note.textContent!);
-      },
-      null,
-      patience,
+    const limit = page.locator('#limit');
+    await hold(
+      key('a'), // outward, as far as it goes
+      async () =>
+        (await limit.isVisible()) && /^as far as it goes: left foot: .*reach/.test(await limit.innerText()),
     );
-    await page.keyboard.down('a'); // outward, as far as it goes
-    await limit;
     while (!(await page.locator('#stuck').isVisible())) {
       await page.waitForTimeout(400);
       await page.keyboard.up('a');
@@ -275,8 +303,7 @@ describe('the ways back', () => {
     }
     await shown('#stuck', /^Nothing goes from here\. Retrace \(Backspace\) or Home \(H\)/);
     await page.keyboard.up('a');
-    await page.keyboard.down('Backspace');
-    await page.waitForSelector('#stuck', { state: 'hidden', ...patience });
+    await hold(key('Backspace'), () => page.locator('#stuck').isHidden());
     await page.keyboard.up('Backspace');
     await atRest();
   });
@@ -284,17 +311,16 @@ describe('the ways back', () => {
 
 test('an impossible wish is refused in plain words', async () => {
   await page.keyboard.press('1');
-  await page.keyboard.down('d'); // the left foot, onto the right one
   const refusal = page.locator('#refusal', { hasText: /^left foot: / });
-  await refusal.waitFor({ state: 'visible', ...patience });
+  await hold(key('d'), () => refusal.isVisible()); // the left foot, onto the right one
   await page.keyboard.up('d');
   expect(await refusal.innerText()).toMatch(/^left foot: [a-z ]+.*\(.+, at (most|least) .+\)$/);
 });
 
 test('a second page watches, and drives once the first one lets it', async () => {
-  const second = await open(950, 500);
+  const second = await open(950, 500, url);
   await role(second, 'watcher');
-  expect(await second.locator('#role').innerText()).toBe('watching');
+  await second.locator('#role', { hasText: 'watching' }).waitFor(patience);
   expect(await second.locator('#take').isVisible()).toBe(false);
   await page.bringToFront();
   await page.click('#take');
@@ -307,6 +333,67 @@ test('a second page watches, and drives once the first one lets it', async () =>
   await page.locator('#take').waitFor({ state: 'visible', ...patience });
   await page.click('#take');
   await role(page, 'driver');
+});
+
+describe('nobody asks for more', () => {
+  beforeEach(retraceAll); // the walks to the right do not add up to the edge of the stage
+
+  const centred = (command: Command): boolean =>
+    command.axes.every((axis) => axis === 0) && command.lift.every((lift) => lift === 0);
+
+  test('the stick is sent steadily, also when nothing changes', async () => {
+    await page.keyboard.down('d');
+    const from = sent.length;
+    await page.waitForTimeout(2000);
+    const held = sent.slice(from);
+    await page.keyboard.up('d');
+    expect(held.filter(({ axes }) => axes[1] === -1).length).toBeGreaterThanOrEqual(20); // 10 Hz at least
+    await atRest();
+  });
+
+  test('a page that is hidden, left, or loses the keyboard lets go of everything at once', async () => {
+    await page.keyboard.press('5');
+    for (const leave of [
+      () => {
+        Object.defineProperty(document, 'hidden', { configurable: true, get: () => true });
+        document.dispatchEvent(new Event('visibilitychange'));
+        Reflect.deleteProperty(document, 'hidden');
+      },
+      () => window.dispatchEvent(new Event('pagehide')),
+      () => window.dispatchEvent(new Event('blur')),
+    ]) {
+      await page.keyboard.down('d');
+      await expect.poll(() => centred(sent.at(-1)!), patience).toBe(false);
+      await page.evaluate(leave);
+      await expect.poll(() => centred(sent.at(-1)!), patience).toBe(true);
+      await page.waitForTimeout(200);
+      expect(centred(sent.at(-1)!)).toBe(true); // though the key is still down
+      await page.keyboard.up('d');
+    }
+    await atRest();
+  });
+
+  test('a network that stalls counts as letting go, and the page says so', async () => {
+    await page.keyboard.press('5');
+    await hold(key('d'), moreThan(await left()));
+    relay.stall();
+    const motions = await left();
+    await page.locator('#role', { hasText: 'no signal' }).waitFor(patience);
+    await shown('#hint', /^No signal from the program/);
+    await page.waitForTimeout(5000);
+    relay.flow();
+    await role(page, 'driver');
+    await page.waitForSelector('#hint', { state: 'hidden', ...patience });
+    await atRest();
+    const meanwhile = (await left()) - motions;
+    expect(meanwhile).toBeLessThan(4); // a walk of more than 5 s takes many
+    await page.waitForTimeout(700);
+    expect(await left()).toBe(motions + meanwhile); // though the key is still down
+    await page.keyboard.up('d');
+    await hold(key('a'), moreThan(motions + meanwhile));
+    await page.keyboard.up('a');
+    await atRest();
+  });
 });
 
 test('help opens and closes with its key', async () => {
