@@ -1,14 +1,11 @@
 // The same random sticks for velocity tracking and for baton: which goes bankrupt, after how long, and why.
 #include <fmt/format.h>
 
-#include <atomic>
-#include <chrono>
-#include <thread>
-
 #include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "bench/bench.hpp"
 #include "bench/judge.hpp"
+#include "bench/parallel.hpp"
 #include "bench/scripts.hpp"
 #include "bench/velocity_tracking.hpp"
 
@@ -57,29 +54,6 @@ Verdict run_baton(const RobotModel& robot, const World& world, std::uint64_t see
   return verdict;
 }
 
-/// The verdicts on scripts 1 … `count`, on all processors; no script is begun after `patience` [s].
-template <typename Run>
-std::vector<Verdict> verdicts(int count, double patience, const Run& run) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(patience);
-  std::vector<Verdict> all(static_cast<std::size_t>(count));
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    while (Clock::now() < end) {
-      const int k = next++;
-      if (k >= count) return;
-      all[static_cast<std::size_t>(k)] = run(static_cast<std::uint64_t>(k) + 1);
-    }
-  };
-  std::vector<std::thread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
-    threads.emplace_back(work);
-  for (std::thread& thread : threads)
-    thread.join();
-  all.resize(static_cast<std::size_t>(std::min(count, next.load())));
-  return all;
-}
-
 Row told(const std::string& name, const std::vector<Verdict>& all) {
   Row row{"bankrupt: " + name, {}, "", "s"};
   std::array<int, kCauses> causes{};
@@ -106,11 +80,11 @@ Rows bench_baseline(const Options& options) {
   const int count = options.scripts > 0 ? options.scripts : 1000;
   const double patience = options.scripts > 0 ? 1e9 : kPatience;
   const auto tracking = [&](VelocityTracking::Care care) {
-    return verdicts(count, 1e9, [&](std::uint64_t seed) { return run_tracking(robot, start, care, seed); });
+    return for_seeds(count, 1e9, [&](std::uint64_t seed) { return run_tracking(robot, start, care, seed); });
   };
   return {told("the stick's velocity tracked", tracking(VelocityTracking::Care::none)),
           told("the same, within regions", tracking(VelocityTracking::Care::regions)),
-          told("baton", verdicts(count, patience, [&](std::uint64_t seed) { return run_baton(robot, world, seed); }))};
+          told("baton", for_seeds(count, patience, [&](std::uint64_t seed) { return run_baton(robot, world, seed); }))};
 }
 
 }  // namespace baton::bench

@@ -1,10 +1,12 @@
 /// A small harness: thread CPU time of single calls, and other quantities, as median, 99th percentile and worst.
 #pragma once
 
-#include <ctime>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <ctime>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,19 @@ struct Row {
   }
 };
 
+/// "12 this, 3 that", the most frequent first.
+inline std::string counted(const std::map<std::string, int>& count) {
+  std::vector<std::pair<int, std::string>> sorted;
+  sorted.reserve(count.size());
+  for (const auto& [name, n] : count)
+    sorted.emplace_back(-n, name);
+  std::sort(sorted.begin(), sorted.end());
+  std::string text;
+  for (const auto& [n, name] : sorted)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", -n, name);
+  return text;
+}
+
 /// Times one call; what it computes must be used by the caller.
 inline void time(Row& row, const std::function<void()>& call) {
   const double before = cpu_us();
@@ -41,6 +56,8 @@ inline void time(Row& row, const std::function<void()>& call) {
 struct Options {
   int scripts =
       0;  ///< of the comparison with a baseline; 0: 1,000 for the baseline, of ours as many as fit in a minute
+  std::string robot = "mighty";  ///< of the latencies
+  int trials = 1000;             ///< the same
 };
 
 using Rows = std::vector<Row>;
@@ -51,5 +68,6 @@ Rows bench_segment(const Options&);
 Rows bench_ik(const Options&);
 Rows bench_run(const Options&);
 Rows bench_baseline(const Options&);
+Rows bench_latency(const Options&);
 
 }  // namespace baton::bench

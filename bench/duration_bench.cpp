@@ -15,18 +15,6 @@ namespace {
 constexpr int kGoals = 1000;
 constexpr std::size_t kWhole = 150;  ///< of them with the whole body
 
-/// "12 this, 3 that", the most frequent first.
-std::string counted(const std::map<std::string, int>& count) {
-  std::vector<std::pair<int, std::string>> sorted;
-  for (const auto& [name, n] : count)
-    sorted.emplace_back(-n, name);
-  std::sort(sorted.begin(), sorted.end());
-  std::string text;
-  for (const auto& [n, name] : sorted)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", -n, name);
-  return text;
-}
-
 std::string name_of(const std::optional<Refusal>& refusal) {
   if (!refusal) return "nothing";
   return std::string(to_string(refusal->reason)) + (refusal->where.empty() ? "" : " " + refusal->where);

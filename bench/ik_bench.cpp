@@ -19,7 +19,7 @@ Rows bench_ik(const Options& /*unused*/) {
   std::vector<Recorded> recorded;
   session.on_plan = [&](const PlanRecord& record) {
     if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
-      recorded.push_back({record.problem.context.from, *motion});
+      recorded.push_back({record.problem.start, *motion});
     }
   };
   while (session.t() < 20.0) {
@@ -30,6 +30,7 @@ Rows bench_ik(const Options& /*unused*/) {
     session.step(command);
   }
   InverseKinematics ik(robot);
+  Kinematics kinematics(robot);
   Row walk{"ik: a solve on a walk", {}, ""};
   Row reach{"ik: a solve on a reach", {}, ""};
   for (Row* row : {&walk, &reach}) {
@@ -38,11 +39,12 @@ Rows bench_ik(const Options& /*unused*/) {
       const Posture& from = segment_record.from;
       const Motion& motion = segment_record.motion;
       if ((row == &reach) != (motion.goal.guided == Part::left_hand)) continue;
-      const Segment segment(robot, from, motion.goal);
+      const Segment segment(robot, from, motion.goal, part_rates(kinematics, from));
       Timing timing{motion.period, {0}};
       for (const ContactPhase& phase : motion.phases)
         timing.border.push_back(timing.border.back() + phase.ticks);
       VecX before = from.q;
+      integrate(robot, before, from.dq, -motion.period);
       VecX previous = from.q;
       for (int k = 1; k <= motion.ticks(); ++k) {
         const IkTargets targets = segment.targets(motion.com, timing, k * motion.period);

@@ -28,7 +28,7 @@ Rows bench_segment(const Options& /*unused*/) {
         request.values.push_back(record.plan_us);
         const GuideContext& context = record.problem.context;
         std::optional<PlanResult> again;
-        time(segment, [&] { again = planner.plan(context.from, motion->goal, context.anchor); });
+        time(segment, [&] { again = planner.plan(record.problem.start, motion->goal, context.anchor); });
         T += std::get<Motion>(*again).duration();
         tried += std::get<Motion>(*again).durations_tried;
       };

@@ -13,10 +13,6 @@ constexpr double kApproach = 0.2;   ///< time constant of going to a place, and 
 constexpr double kOnGround = 1e-4;  ///< [m]
 constexpr double kClear = 5e-3;     ///< a careful foot goes sideways from this height on [m]
 
-double tilt(const Mat3& R) {
-  return std::acos(std::clamp(R(2, 2), -1.0, 1.0));
-}
-
 }  // namespace
 
 VelocityTracking::VelocityTracking(const RobotModel& robot, const Posture& start, Care care)
@@ -52,7 +48,7 @@ bool VelocityTracking::wants_up(Side side, const Command& command) const {
 
 void VelocityTracking::tick(const Command& raw) {
   const Command command = sanitised(raw);
-  const Mat3 heading = rotation_z(mean_yaw(yaw_of(targets_.sole.left.R), yaw_of(targets_.sole.right.R)));
+  const Mat3 heading = rotation_z(mean_yaw(targets_.sole));
   if (rises_ && contact_[*rises_] && !wants_up(*rises_, command)) rises_.reset();
   for (const Side side : kSides) {
     if (!rises_ && wants_up(side, command)) rises_ = side;
@@ -154,7 +150,7 @@ void VelocityTracking::move_trunk(const Command& command, const Mat3& heading) {
     rate = heading * command.axes.tail<3>() * speed;
     const Profile::Region& region = robot_->profile().region;
     const Mat3 next = rotation_exp(kApproach * rate) * targets_.trunk;
-    const bool too_far = (tilt(next) > region.trunk_inclination && tilt(next) > tilt(targets_.trunk)) ||
+    const bool too_far = (tilt_of(next) > region.trunk_inclination && tilt_of(next) > tilt_of(targets_.trunk)) ||
                          std::abs(wrap_angle(yaw_of(next) - yaw_of(heading))) > region.foot_yaw;
     if (care_ == Care::regions && too_far) rate.setZero();
   }

@@ -1,0 +1,165 @@
+#include "bench/latency.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "baton/ik/stand.hpp"
+#include "baton/navigate/navigator.hpp"
+#include "baton/robot/ideal_robot.hpp"
+#include "bench/bench.hpp"
+#include "bench/draw.hpp"
+#include "bench/scripts.hpp"
+
+namespace baton::bench {
+namespace {
+
+constexpr double kDifferent = 1e-9;  ///< of a joint target [rad]
+constexpr double kRest = 1.0;        ///< waited for a motion, beyond the longest that may be under way [s]
+
+/// One run, tick by tick.
+struct Run {
+  Run(const RobotModel& robot, const Posture& start)
+      : navigator(robot, start), body(robot, start, robot.profile().tick.period) {}
+
+  void tick(const Command& command) {
+    const JointTarget& target = navigator.tick(body.read(), command);
+    body.write(target);
+    q = target.q;
+  }
+
+  Navigator navigator;
+  IdealRobot body;
+  VecX q;  ///< the joint target of this tick
+};
+
+bool differ(const Run& a, const Run& b) {
+  return (a.q - b.q).cwiseAbs().maxCoeff() > kDifferent;
+}
+
+/// One of the part's axes full, or full in a direction of the plane; a foot may be lifted.
+Command deflected(Draw& draw, const Guide& guide, Part part) {
+  Command command;
+  command.guide = part;
+  const std::vector<int> axes = guide.axes_of(part);
+  if (draw.chance(0.5)) {
+    command.axes[axes[static_cast<std::size_t>(draw.below(static_cast<int>(axes.size())))]] =
+        draw.chance(0.5) ? 1.0 : -1.0;
+  } else {
+    const double angle = draw.real(-std::numbers::pi, std::numbers::pi);
+    command.axes.head<2>() << std::cos(angle), std::sin(angle);
+  }
+  if (is_foot(part) && draw.chance(0.3)) command.lift[side_of(part)] = draw.real(0.2, 1.0);
+  return command;
+}
+
+Part any_part(Draw& draw) {
+  return kParts[static_cast<std::size_t>(draw.below(5))];
+}
+
+/// What the stick did until the change: nothing yet, or let go of; walking; a foot; a hand; one part, then another.
+std::vector<Stretch> prelude(Draw& draw, const Guide& guide) {
+  std::vector<Stretch> script;
+  const auto add = [&](double least, double most, const Command& command) {
+    script.push_back({(script.empty() ? 0.0 : script.back().until) + draw.real(least, most), command});
+  };
+  const auto let_go = [&](double most) { add(0.05, most, Command{.guide = script.back().command.guide}); };
+  switch (draw.below(5)) {
+    case 0:
+      add(0.05, 2.0, draw.chance(0.5) ? Command{} : deflected(draw, guide, any_part(draw)));
+      let_go(3.0);
+      break;
+    case 1:
+      add(0.05, 4.0, deflected(draw, guide, Part::trunk));
+      break;
+    case 2:
+      add(0.05, 1.5, deflected(draw, guide, foot(draw.chance(0.5) ? Side::left : Side::right)));
+      break;
+    case 3:
+      add(0.3, 2.0, deflected(draw, guide, hand(draw.chance(0.5) ? Side::left : Side::right)));
+      if (draw.chance(0.5)) let_go(1.0);
+      break;
+    default:
+      add(0.3, 2.0, deflected(draw, guide, any_part(draw)));
+      add(0.05, 1.0, deflected(draw, guide, any_part(draw)));
+  }
+  return script;
+}
+
+/// Another part, or at least 60° away.
+bool really_different(const Command& a, const Command& b) {
+  return a.guide != b.guide || a.axes.dot(b.axes) <= 0.5 * a.axes.norm() * b.axes.norm();
+}
+
+Situation situation_of(const Navigator& navigator) {
+  switch (navigator.phase()) {
+    case Phase::hold:
+      return Situation::at_rest;
+    case Phase::double_support:
+      return Situation::double_support;
+    default:
+      return Situation::foot_in_air;
+  }
+}
+
+}  // namespace
+
+Change change_of_command(const RobotModel& robot, const World& world, std::uint64_t seed) {
+  Draw draw(seed);
+  const Guide guide(robot, world);
+  const std::vector<Stretch> script = prelude(draw, guide);
+  const Command& old = script.back().command;
+  Command fresh;
+  do {
+    fresh = deflected(draw, guide, draw.chance(0.5) ? old.guide : any_part(draw));
+  } while (!really_different(old, fresh));
+
+  const Profile& profile = robot.profile();
+  const double period = profile.tick.period;
+  const Posture start = stand(robot, world.site("start"), profile.stance.com_height);
+  Planning planning(robot, world);
+  Run changed(robot, start);
+  Run held(robot, start);
+  Run unanswered(robot, start);
+  long tick = 0;
+  for (const Stretch& stretch : script) {
+    for (; static_cast<double>(tick) * period < stretch.until; ++tick) {
+      for (Run* run : {&changed, &held, &unanswered})
+        run->tick(stretch.command);
+      // They are the same so far: what is planned for one is the answer for all.
+      const std::optional<Problem> problem = changed.navigator.request();
+      if (!problem) continue;
+      const PlanningResult result = planning.plan(*problem);
+      changed.navigator.offer(result);
+      for (Run* run : {&held, &unanswered}) {
+        if (run->navigator.request()) run->navigator.offer(result);
+      }
+    }
+  }
+
+  Change change;
+  change.situation = situation_of(changed.navigator);
+  change.switched = fresh.guide != old.guide;
+  const long patience = std::lround((profile.duration.max + kRest) / period);
+  for (long k = 0; k < patience; ++k) {
+    changed.tick(fresh);
+    held.tick(old);
+    unanswered.tick(fresh);
+    if (differ(changed, held) && differ(changed, unanswered)) {
+      change.latency = static_cast<double>(k) * period;
+      break;
+    }
+    if (const std::optional<Problem> problem = held.navigator.request()) held.navigator.offer(planning.plan(*problem));
+    const std::optional<Problem> problem = changed.navigator.request();
+    if (!problem) continue;
+    const double before = cpu_us();
+    PlanningResult result = planning.plan(*problem);
+    change.plan_us.push_back(cpu_us() - before);
+    const auto* refusal = std::get_if<Refusal>(&result.outcome);
+    if (change.plan_us.size() == 1 && !std::holds_alternative<Motion>(result.outcome))
+      change.first_against = refusal != nullptr ? to_string(refusal->reason) : "nothing to do";
+    changed.navigator.offer(std::move(result));
+  }
+  return change;
+}
+
+}  // namespace baton::bench
