@@ -20,6 +20,13 @@ Mat3 inclination(const Mat3& R) {
   return rotation_z(-yaw_of(R)) * R;
 }
 
+/// An attitude that leans by `most` at most: set upright in the plane it leans in.
+Mat3 leaning(const Mat3& R, double most) {
+  const double excess = tilt_of(R) - most;
+  if (!(excess > 0.0)) return R;
+  return rotation_exp(R.col(2).cross(Vec3::UnitZ()).normalized() * excess) * R;
+}
+
 /// How far outside its range a value lies; negative inside.
 double excess(double value, const Range& range) {
   return std::max(range.lo - value, value - range.hi);
@@ -41,7 +48,7 @@ Goal Guide::stay(const GuideContext& context, Part guided) const {
   goal.sole = context.from.sole;
   goal.contact = context.from.contact;
   goal.com = context.from.com;
-  goal.trunk = context.from.trunk;
+  goal.trunk = leaning(context.from.trunk, robot_->profile().region.trunk_inclination);
   goal.arms = context.from.q.tail(robot_->nv() - 6);
   return goal;
 }
@@ -318,7 +325,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   }
   goal.com = com_above(context, goal);
   const Mat3 yawed = rotation_z(mean_yaw(goal.sole));
-  goal.trunk = yawed * inclination(from.trunk);
+  goal.trunk = yawed * inclination(goal.trunk);
   // If the legs cannot do it from so low or so inclined a trunk: at the nominal height, or upright too.
   Goal higher = goal;
   higher.com.z() += profile.stance.com_height - (from.com.z() - from.support_height());
@@ -337,13 +344,12 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   const double support = from.support_height();
   const double asked = goal.com.z() - support;
   goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
-  goal.trunk = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
-  if (tilt_of(goal.trunk) > std::max(profile.region.trunk_inclination, tilt_of(from.trunk) - 1e-9)) {
-    const Refusal against{Reason::trunk_inclination, Part::trunk, tilt_of(goal.trunk), profile.region.trunk_inclination,
-                          ""};
-    if ((goal.com - from.com).norm() < 1e-6) return against;
-    goal.trunk = from.trunk;  // it leans no farther, but it goes on
-  }
+  const Mat3 turned = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
+  const double most = profile.region.trunk_inclination;
+  // One that leans as far as it may leans no farther, but it goes on.
+  goal.trunk = leaning(turned, most);
+  if ((goal.com - from.com).norm() < 1e-6 && tilt_of(turned) > std::max(most, tilt_of(from.trunk) - 1e-9))
+    return Refusal{Reason::trunk_inclination, Part::trunk, tilt_of(turned), most, ""};
   if ((goal.com - from.com).norm() < 1e-6 && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }

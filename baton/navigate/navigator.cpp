@@ -19,7 +19,7 @@ constexpr std::ptrdiff_t kHistory = 200;  ///< motions that are kept to be retra
 constexpr long kHistoryTicks = 100000;    ///< of all of them together
 constexpr int kMostLate = 5;              ///< doublings of the lookahead, at rest, when answers come too late
 constexpr double kReplacing = 0.1;        ///< between two replacements of a motion on its way [s]
-constexpr double kLeastFlight = 0.04;     ///< a foot that lands sooner is not sent elsewhere [s]
+constexpr double kLeastFlight = 0.04;     ///< a foot that leaves or meets the ground sooner is not sent elsewhere [s]
 constexpr double kSameStick = 0.05;       ///< change of an axis or lift that does not count
 constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kSameRest = 1e-3;        ///< of a joint [rad]
@@ -282,15 +282,17 @@ bool Navigator::replaceable(int at) const {
     return false;
   const Goal& goal = motion_->goal;
   const int last_phase = last_phase_of(*motion_);
-  const bool lands = motion_->phases.size() > 1 && goal.swing && goal.contact[*goal.swing];
-  const bool in_the_air = lands && !motion_->samples[static_cast<std::size_t>(at)].contact[*goal.swing];
+  const bool swings = motion_->phases.size() > 1 && goal.swing;
+  const bool lands = swings && goal.contact[*goal.swing];
   // A held stick goes on from where a foot has landed; with no foot to land, from halfway through the last phase.
   const bool foot_again = is_foot(command_.guide) && !differs(command_, motion_for_);
   const int goes_on = !lands ? (last_phase + motion_->ticks()) / 2 : (foot_again ? motion_->ticks() : last_phase);
   if (at == goes_on && !command_.axes.isZero(0.0)) return true;
   const double period = robot_->profile().tick.period;
   if (tick_ < asked_at_ + std::lround(kReplacing / period)) return false;
-  if (in_the_air && (last_phase - at) * period < kLeastFlight) return false;
+  const int lift_off = motion_->phases.front().ticks;
+  const int change = at < lift_off ? lift_off : last_phase;
+  if (swings && at < change && (change - at) * period < kLeastFlight) return false;
   // A stick that is let go of, a lever as it was: what is under way serves.
   if (command_.axes.isZero(0.0) && !lever_moved(command_, asked_for_)) return false;
   return at > goes_on || differs(command_, asked_for_);

@@ -9,14 +9,13 @@ namespace baton {
 namespace {
 
 constexpr double kMissing = 1e-3;      ///< share of the weight that vertex forces may leave, a rounding
-constexpr double kMissingBack = 2e-2;  ///< the same on the way back
+constexpr double kLean = 0.01;         ///< by which a trunk may lean farther on its way than at rest [rad]
+constexpr double kLeanRounding = 1e-6;
 constexpr double kSlack = 1e-5;        ///< by which a distance that is too small already may shrink [m]
-constexpr double kMuchFriction = 0.6;  ///< share of the limit above which they are sought at every tick
 constexpr double kClearance = 0.2;     ///< share of the swing's clearance that a foot has wherever it travels
 constexpr double kRise = 0.3;          ///< height over way, where it leaves the ground and where it lands
 constexpr double kContact = -2e-4;     ///< height at which a sole leaves the ground it stood on, and meets the next [m]
 constexpr double kMarginStep = 0.25;   ///< of the margin to edges, where a foot stands nearer already
-constexpr double kForcesSpacing = 0.02;  ///< between instants at which they are sought [s]
 
 /// Whether a quantity is bounded from above (or from below).
 bool has_upper_limit(Reason quantity) {
@@ -92,7 +91,6 @@ Verifier::Verifier(const RobotModel& robot, const World& world)
       obstacles_(robot, world),
       tau_(VecX::Zero(robot.nv() - 6)) {
   const mjModel& m = robot.mj();
-  forces_every_ = std::max(1, static_cast<int>(kForcesSpacing / robot.profile().tick.period + 1e-9));
   links_.resize(static_cast<std::size_t>(m.nbody) - 1);
   extent_.assign(links_.size(), 0.0);
   for (int g = 0; g < m.ngeom; ++g) {
@@ -142,12 +140,8 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
   ledger.enter(Reason::zmp, Part::trunk, inside, margin.zmp_verify, t, -1);
   const double friction = total.force.head<2>().norm() / total.force.z();
   ledger.enter(Reason::friction, Part::trunk, friction, margin.friction, t, -1);
-  if (tick % forces_every_ == 0 || changes || friction > kMuchFriction * margin.friction) {
-    // On the way back the same forces act as on the way there, where other ticks were looked at.
-    const double most = motion.retraces ? kMissingBack : kMissing;
-    const double missing = forces_.missing(sample.sole, contact, total, sample.com);
-    ledger.enter(Reason::contact_wrench, Part::trunk, missing, most, t, -1);
-  }
+  const double missing = forces_.missing(sample.sole, contact, total, sample.com);
+  ledger.enter(Reason::contact_wrench, Part::trunk, missing, kMissing, t, -1);
   const auto check_torques = [&](const BySide<bool>& standing) {
     joint_torques(kinematics_, sample.force, share_wrench(*robot_, sample.sole, standing, total), tau_);
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
@@ -174,6 +168,17 @@ void Verifier::check_tracking(const MotionSample& sample, double t, Ledger& ledg
   constexpr double kRounding = 1.01;
   const double residual = std::max(position / ik.position, rotation / ik.rotation);
   ledger.enter(Reason::unreachable, Part::trunk, residual * ik.position, kRounding * ik.position, t, -1);
+}
+
+double Verifier::most_lean(const Motion& motion) {
+  const auto lean = [this](const MotionSample& sample) {
+    kinematics_.set(sample.q);
+    return tilt_of(kinematics_.trunk().R);
+  };
+  // Whoever leans too far already, after a slip, must be able to straighten up; and to go back where it came from.
+  const double start = lean(motion.samples.front());
+  return std::max({robot_->profile().region.trunk_inclination + kLean, start + kLeanRounding,
+                   motion.retraces ? lean(motion.samples.back()) + kLeanRounding : 0.0});
 }
 
 double Verifier::edge_margin(const Motion& motion) const {
@@ -316,12 +321,14 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     check_soles(motion, static_cast<std::size_t>(k), anchor, ledger);
   }
   check_footholds(motion, anchor, ledger);
+  lean_ = most_lean(motion);
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     const double t = k * motion.period;
     sample.force.resize(robot_->nv());
     kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
     check_tracking(sample, t, ledger);
+    ledger.enter(Reason::trunk_inclination, Part::trunk, tilt_of(kinematics_.trunk().R), lean_, t, -1);
     check_wrench(motion, k, t, ledger);
     check_distances(sample, anchor, k == 0, t, ledger);
   }

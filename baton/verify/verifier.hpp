@@ -18,10 +18,10 @@ class Verifier {
   Verifier(const RobotModel& robot, const World& world);
 
   /// Checks joint positions, speeds, accelerations and torques (one Motor model), what inverse kinematics left between
-  /// posture and plan, the contact wrench of the whole body (ZMP and friction at every tick; forces at the soles'
-  /// vertices every 20 ms, where phases meet, and wherever the friction is large), the gap of the soles, the swing sole
-  /// over the ground, the footholds, self-collision and obstacles (wherever links have moved far enough to change the
-  /// least distance). Ends at a violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
+  /// posture and plan, how far the trunk leans, the contact wrench of the whole body (ZMP, friction, forces at the
+  /// soles' vertices), the gap of the soles, the swing sole over the ground and the footholds, all at every tick;
+  /// self-collision and obstacles wherever links have moved far enough to change the least distance. Ends at a
+  /// violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
   [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor);
@@ -40,6 +40,8 @@ class Verifier {
   void check_soles(const Motion& motion, std::size_t tick, const Pose& anchor, Ledger& ledger) const;
   /// How high a foot that is to land must be over the ground there [m]: enough not to scrape, however it follows.
   [[nodiscard]] double clearance(const Motion& motion, std::size_t tick) const;
+  /// How far the trunk may lean on its way [rad].
+  [[nodiscard]] double most_lean(const Motion& motion);
   /// How far from edges soles are to be kept [m].
   [[nodiscard]] double edge_margin(const Motion& motion) const;
   /// How far the swing foot stays from higher ground beside it: as far as it should land, or as it stands, after a
@@ -53,9 +55,9 @@ class Verifier {
   Obstacles obstacles_;
   VecX tau_;
   double swing_margin_ = 0.0;
+  double lean_ = 0.0;      ///< the largest tilt of the trunk [rad]
   ConvexPolygon support_;  ///< of the soles that stand
   VecX in_world_;
-  int forces_every_ = 1;  ///< [ticks]
 
   /// What is known of a distance between two measurements of it.
   struct Gap {
