@@ -324,14 +324,20 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
     goal.kind = up ? SegmentKind::lower : SegmentKind::step;
   }
   goal.com = com_above(context, goal);
-  const Mat3 yawed = rotation_z(mean_yaw(goal.sole));
-  goal.trunk = yawed * inclination(goal.trunk);
-  // If the legs cannot do it from so low or so inclined a trunk: at the nominal height, or upright too.
-  Goal higher = goal;
-  higher.com.z() += profile.stance.com_height - (from.com.z() - from.support_height());
-  Goal upright = higher;
-  upright.trunk = yawed;
-  return std::vector<Goal>{goal, higher, upright};
+  goal.trunk = rotation_z(mean_yaw(goal.sole)) * inclination(goal.trunk);
+  std::vector<Goal> goals{goal};
+  add_nominal(context, goal, goals);
+  return goals;
+}
+
+void Guide::add_nominal(const GuideContext& context, const Goal& goal, std::vector<Goal>& goals) const {
+  Goal nominal = goal;
+  const double height = context.from.com.z() - context.from.support_height();
+  nominal.com.z() = com_above(context, goal).z() - height + robot_->profile().stance.com_height;
+  if (std::abs(nominal.com.z() - goal.com.z()) > kSamePlace) goals.push_back(nominal);
+  if (tilt_of(goal.trunk) < kSameYaw) return;
+  nominal.trunk = rotation_z(mean_yaw(goal.sole));
+  goals.push_back(std::move(nominal));
 }
 
 GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
@@ -419,6 +425,8 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   // If no foot can follow, the trunk can still turn, as far as feet may be turned at all.
   const bool turns_alone = stands && turn && !context.step;
   if (turns_alone && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
+  const auto step = std::find_if(goals.begin(), goals.end(), [](const Goal& g) { return g.kind == SegmentKind::step; });
+  if (step != goals.end()) add_nominal(context, Goal(*step), goals);
   if (!goals.empty()) return goals;
   return Refusal{Reason::no_progress, against->part, against->value, against->limit,
                  std::string(to_string(against->reason))};

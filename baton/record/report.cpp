@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baton/guide/guide.hpp"
 #include "baton/record/json.hpp"
 #include "baton/record/trace.hpp"
 
@@ -16,6 +17,11 @@ constexpr double kMoved = 0.005;  ///< [m]
 
 nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+/// The part of `made` along what was asked for; 0 if nothing was.
+double along(const Vec3& asked, const Vec3& made) {
+  return asked.isZero(0.0) ? 0.0 : asked.dot(made) / asked.norm();
 }
 
 }  // namespace
@@ -36,8 +42,8 @@ nlohmann::json Durations::summary() const {
 bool Report::Interval::moved() const {
   const double wanted = asked.norm();
   const double wanted_rotation = asked_rotation.norm();
-  return (wanted > 0.0 && (made >= kMovedShare * wanted || made >= kMoved)) ||
-         (wanted_rotation > 0.0 && made_rotation >= kMovedShare * wanted_rotation);
+  return (wanted > 0.0 && (most >= kMovedShare * wanted || most >= kMoved)) ||
+         (wanted_rotation > 0.0 && most_rotation >= kMovedShare * wanted_rotation);
 }
 
 Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot) {}
@@ -48,21 +54,43 @@ Pose Report::guided_pose(Part part) {
   return {kinematics_.com(), kinematics_.trunk().R};
 }
 
-void Report::close_segment() {
-  const Pose now = guided_pose(segment_part_);
-  travel_ += (kinematics_.com() - com_start_).head<2>().norm();
-  if (owner_ < 0) return;
-  Interval& interval = commands_[static_cast<std::size_t>(owner_)];
-  const double wanted = interval.asked.norm();
-  const double turned = interval.asked_rotation.norm();
-  if (wanted > 0.0) interval.made += interval.asked.dot(now.p - segment_start_.p) / wanted;
-  if (turned > 0.0)
-    interval.made_rotation += interval.asked_rotation.dot(rotation_error(now.R, segment_start_.R)) / turned;
+std::optional<Report::Interval> Report::asked(const Command& command, bool lifts, const Mat3& heading) const {
+  const Profile& profile = robot_->profile();
+  if (command.recall != Recall::none || command.neutral() || (command.axes.isZero(0.0) && !lifts)) return std::nullopt;
+  const bool is_a_foot = is_foot(command.guide);
+  const double size = is_a_foot              ? profile.reach.foot
+                      : is_hand(command.guide) ? profile.reach.hand
+                                               : profile.reach.trunk;
+  Vec3 move = command.axes.head<3>() * size;
+  Vec3 turn = command.axes.tail<3>() * profile.reach.rotation;
+  if (is_a_foot) {
+    const double lift = command.lift[side_of(command.guide)];
+    move.z() = lift < Guide::kLeastLift ? 0.0 : lift * profile.swing.lift;
+    turn.head<2>().setZero();
+  }
+  if (is_hand(command.guide) && !robot_->hand_has_attitude(side_of(command.guide))) turn.setZero();
+  if (move.isZero(0.0) && turn.isZero(0.0)) return std::nullopt;
+  Interval interval;
+  interval.command = command;
+  interval.asked = heading * move;
+  interval.asked_rotation = heading * turn;
+  return interval;
+}
+
+void Report::account(const Credit& credit, bool over) {
+  Interval& interval = commands_[credit.command];
+  const Pose now = guided_pose(interval.command.guide);
+  const double made = interval.made + along(interval.asked, now.p - credit.start.p);
+  const double rotation = interval.made_rotation + along(interval.asked_rotation, rotation_error(now.R, credit.start.R));
+  interval.most = std::max(interval.most, made);
+  interval.most_rotation = std::max(interval.most_rotation, rotation);
+  if (!over) return;
+  interval.made = made;
+  interval.made_rotation = rotation;
 }
 
 void Report::add(const TickRecord& record) {
   const Navigator& nav = record.navigator;
-  const Profile::Reach& reach = robot_->profile().reach;
   duration_ = record.t + robot_->profile().tick.period;
   tick_.add(record.tick_us);
   kinematics_.set(record.truth.q);
@@ -73,34 +101,30 @@ void Report::add(const TickRecord& record) {
     // A throttle that only stays up asks for nothing new.
     const bool lifts =
         is_foot(command.guide) && command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
-    if (command.recall == Recall::none && (!command.axes.isZero(0.0) || (!command.neutral() && lifts))) {
-      const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(nav.sample().sole));
-      Interval interval;
-      interval.command = command;
-      const double size = is_foot(command.guide) ? reach.foot : (is_hand(command.guide) ? reach.hand : reach.trunk);
-      Vec3 move = command.axes.head<3>() * size;
-      Vec3 turn = command.axes.tail<3>() * reach.rotation;
-      if (is_foot(command.guide)) {
-        move.z() = command.lift[side_of(command.guide)] * robot_->profile().swing.lift;
-        turn.head<2>().setZero();
-      }
-      if (is_hand(command.guide) && !robot_->hand_has_attitude(side_of(command.guide))) turn.setZero();
-      interval.asked = heading * move;
-      interval.asked_rotation = heading * turn;
-      commands_.push_back(interval);
-    }
+    const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(nav.sample().sole));
+    const std::optional<Interval> interval = asked(command, lifts, heading);
+    if (interval) commands_.push_back(*interval);
+    command_ = interval ? static_cast<long>(commands_.size()) - 1 : -1;
     last_command_ = command;
   }
 
+  const bool begins = nav.segment() != segment_ && nav.motion() != nullptr;
+  std::erase_if(open_, [&](const Credit& credit) {
+    const bool again = begins && static_cast<long>(credit.command) == planned_by_;
+    const bool over = again || record.t >= credit.until - 0.5 * robot_->profile().tick.period;
+    account(credit, over);
+    return over;
+  });
   if (nav.segment() != segment_) {
-    if (segment_ >= 0) close_segment();
+    if (segment_ >= 0) travel_ += (kinematics_.com() - com_start_).head<2>().norm();
     segment_ = nav.segment();
-    if (nav.motion() != nullptr) {
+    if (begins) {
       ++committed_;
       if (nav.motion()->limit) ++shrunk_[std::string(to_string(nav.motion()->limit->reason))];
-      owner_ = planned_by_;
-      segment_part_ = nav.motion()->goal.guided;
-      segment_start_ = guided_pose(segment_part_);
+      if (planned_by_ >= 0) {
+        const auto by = static_cast<std::size_t>(planned_by_);
+        open_.push_back({by, guided_pose(commands_[by].command.guide), record.t + nav.motion()->duration()});
+      }
       com_start_ = kinematics_.com();
       for (const Margin& margin : nav.motion()->certificate.margins) {
         if (margin.quantity == Reason::zmp) planned_margin_ = std::min(planned_margin_, margin.value);
@@ -129,13 +153,11 @@ void Report::add(const TickRecord& record) {
 void Report::add(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
   plan_.add(record.plan_us);
-  const Command& command = record.problem.command;
-  const bool steers = command.recall == Recall::none && !command.neutral();
-  planned_by_ = steers ? static_cast<long>(commands_.size()) - 1 : -1;
+  planned_by_ = record.problem.command.recall == Recall::none ? command_ : -1;
 }
 
 nlohmann::json Report::json(const std::string& world, const std::string& on, long seed, double wall) {
-  if (segment_ >= 0) close_segment();
+  if (segment_ >= 0) travel_ += (kinematics_.com() - com_start_).head<2>().norm();
   segment_ = -1;
   nlohmann::json final = {{"com", vector_json(kinematics_.com())}};
   for (const Part part : kParts) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "baton/record/tick_record.hpp"
@@ -36,13 +37,25 @@ class Report {
     Command command;
     Vec3 asked = Vec3::Zero();           ///< displacement of the guided part in a segment, planning frame [m]
     Vec3 asked_rotation = Vec3::Zero();  ///< [rad]
-    double made = 0.0;                   ///< along `asked` [m]
+    double made = 0.0;                   ///< along `asked`, by motions that are over [m]
     double made_rotation = 0.0;          ///< along `asked_rotation` [rad]
+    double most = 0.0;                   ///< the largest so far [m]
+    double most_rotation = 0.0;          ///< [rad]
     [[nodiscard]] bool moved() const;
   };
 
+  /// What a motion does for the command that it was planned for, until it was to end, whatever replaces it.
+  struct Credit {
+    std::size_t command = 0;
+    Pose start;          ///< of the guided part
+    double until = 0.0;  ///< [s]
+  };
+
+  /// What a command asks for, if anything that its part can do.
+  [[nodiscard]] std::optional<Interval> asked(const Command& command, bool lifts, const Mat3& heading) const;
   [[nodiscard]] Pose guided_pose(Part part);
-  void close_segment();
+  /// Where a command stands now; `over`: it makes no more by this motion.
+  void account(const Credit& credit, bool over);
 
   const RobotModel* robot_;
   Kinematics kinematics_;
@@ -50,11 +63,10 @@ class Report {
   bool fallen_ = false;
   std::vector<Interval> commands_;
   Command last_command_;
-  long planned_by_ = -1;  ///< command that the request under way answers
-  long owner_ = -1;       ///< command of the segment under way
+  long command_ = -1;     ///< that stands now, if it asks for something
+  long planned_by_ = -1;  ///< command that the last answer was for
+  std::vector<Credit> open_;
   long segment_ = -1;
-  Part segment_part_ = Part::trunk;
-  Pose segment_start_;
   Vec3 com_start_ = Vec3::Zero();
   long committed_ = 0;
   std::map<std::string, long> shrunk_;  ///< reason → motions that are a part of the way

@@ -67,6 +67,9 @@ class GuideTest : public testing::TestWithParam<std::string> {
             rotation_z((2 * unit(random) - 1) * 0.1)};
     const double height = region.com_height.lo + unit(random) * (region.com_height.hi - region.com_height.lo);
     posture.com = 0.5 * (posture.sole.left.p + posture.sole.right.p) + Vec3(0, 0, height);
+    // Upright, or leaning: as far as it may, or farther, as after a slip or on its way.
+    const double lean = 1.5 * region.trunk_inclination * std::max(0.0, 2 * unit(random) - 1);
+    posture.trunk = rotation_exp(rotation_z(6.0 * unit(random)) * Vec3(lean, 0, 0)) * posture.trunk;
     return posture;
   }
 
@@ -136,6 +139,7 @@ TEST_P(GuideTest, EveryGoalIsConsistent) {
       const double height = goal.com.z() - end.support_height();
       EXPECT_GE(height, region.com_height.lo - 1e-9);
       EXPECT_LE(height, region.com_height.hi + 1e-9);
+      EXPECT_LE(tilt_of(goal.trunk), region.trunk_inclination + 1e-9);
     }
   }
   EXPECT_GT(goals, 1500);
@@ -245,6 +249,27 @@ TEST_P(GuideTest, HeightsAreClampedAndOnlyVerticalCommandsChangeThem) {
   leaning.trunk = rotation_exp({0, region.trunk_inclination - 0.01, 0});
   EXPECT_TRUE(refused_for(guide.goals(context(leaning), push(Part::trunk, 4, 1.0)), Reason::trunk_inclination));
   EXPECT_TRUE(std::holds_alternative<std::vector<Goal>>(guide.goals(context(leaning), push(Part::trunk, 4, -1.0))));
+}
+
+TEST_P(GuideTest, ATrunkThatIsLowOrLeansMayRiseToStep) {
+  const Guide guide(robot_, flat());
+  const Profile& profile = robot_.profile();
+  Posture low = home_;
+  low.com.z() = profile.region.com_height.lo;
+  low.trunk = rotation_exp({0, 0.5 * profile.region.trunk_inclination, 0});
+  const GuideResult result = guide.goals(context(low), push(Part::trunk, 0));
+  const auto& goals = std::get<std::vector<Goal>>(result);
+  ASSERT_GE(goals.size(), 3U);
+  EXPECT_NEAR(goals.front().com.z(), low.com.z(), 1e-9) << "what was asked for comes first";
+  const Goal& higher = goals[goals.size() - 2];
+  const Goal& upright = goals.back();
+  EXPECT_NEAR(higher.com.z(), profile.stance.com_height, 1e-9);
+  EXPECT_EQ(higher.trunk, goals.front().trunk);
+  EXPECT_NEAR(upright.com.z(), profile.stance.com_height, 1e-9);
+  EXPECT_NEAR(tilt_of(upright.trunk), 0.0, 1e-9);
+  // Whoever stands as at the start has nothing else to try.
+  const GuideResult simple = guide.goals(at_home(), push(Part::left_foot, 0, 0.5));
+  EXPECT_EQ(std::get<std::vector<Goal>>(simple).size(), 1U);
 }
 
 TEST_P(GuideTest, AHandPullsTheBodyAlongOnlyWhenItIsStretched) {

@@ -188,6 +188,45 @@ TEST_P(FlowTest, AHandMovesWhileAStepIsUnderWay) {
   EXPECT_LE(ticks, robot_.profile().tick.lookahead + static_cast<int>(0.1 / period_) + 1);
 }
 
+TEST_P(FlowTest, AFootThatIsAboutToLeaveTheGroundIsNotSentElsewhere) {
+  std::mt19937_64 random(47);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int replaced_before = 0;
+  Trip walk(robot_);
+  Command command;
+  int lift_off = 0;  // ticks of the motion under way until a foot leaves the ground; 0: none does
+  int at = 0;
+  for (int k = 0; k < static_cast<int>(120 * second_); ++k) {
+    if (random() % 12 == 0) command = stick(kParts[random() % kParts.size()], axes(uniform(random), uniform(random), 0));
+    const long committed = walk.navigator().committed();
+    const bool moved = walk.navigator().motion() != nullptr;
+    walk.step(command);
+    ++at;
+    if (walk.navigator().committed() == committed) continue;
+    if (moved && at < lift_off) {
+      EXPECT_GE((lift_off - at) * period_, 0.04 - 1e-9);
+      ++replaced_before;
+    }
+    const Motion& motion = *walk.navigator().motion();
+    const bool leaves = motion.goal.swing && motion.phases.size() > 1 && motion.phases.front().contact.left &&
+                        motion.phases.front().contact.right;
+    lift_off = leaves ? motion.phases.front().ticks : 0;
+    at = 0;
+  }
+  EXPECT_GT(replaced_before, 10);
+}
+
+TEST_P(FlowTest, AfterAHandHasLedTheBodyAsideAndDownTheTrunkStillWalks) {
+  Trip walk(robot_);
+  for (int k = 0; k < static_cast<int>(3.7 * second_); ++k)
+    walk.step(stick(Part::left_hand, axes(0, 0.5, 0)));
+  const Posture led = walk.posture();
+  EXPECT_LT(led.com.z(), walk.home().com.z() - 0.01 * size_);
+  for (int k = 0; k < static_cast<int>(2.4 * second_); ++k)
+    walk.step(stick(Part::trunk, axes(1, 0, 0)));
+  EXPECT_GT(walk.posture().com.x(), led.com.x() + 2.0 * robot_.profile().reach.trunk);
+}
+
 TEST_P(FlowTest, AnAnswerThatIsNotThereIsDroppedAndTheMotionEndsAtRest) {
   Trip walk(robot_);
   for (int k = 0; k < static_cast<int>(1.5 * second_); ++k)

@@ -57,6 +57,9 @@ ON_LIMITS = {
 }
 
 
+LEAST_LIFT = 0.05  # of the throttle: below, it counts as zero
+LEAST_DURATION = 0.5  # [s] of a motion, by the paper's rule
+
 # ---------------------------------------------------------------- reading
 
 
@@ -133,6 +136,14 @@ class Robot:
         if len(found) != 1:
             raise ValueError(f"{len(found)} things in the model are called {name}")
         return found[0]
+
+    def hand_has_attitude(self, part):
+        """An arm of fewer than six joints only places its hand."""
+        body, joints = int(self.m.site_bodyid[self.site(self.profile["parts"][part])]), 0
+        while body not in (0, self.trunk):
+            joints += self.m.body_dofnum[body]
+            body = self.m.body_parentid[body]
+        return joints >= 6
 
     def body(self, name):
         return self._named(self.m.body, self.m.nbody, name)
@@ -689,8 +700,9 @@ def _check_report(found, report, motion, robot, t, dt, fallen):
 
 
 def count_commands(trace_file, model_file, profile_file, script):
-    """{"given", "moved"}: script is [(t, guide, axes, lift)]. A command is a maximal interval of constant non-zero input;
-    it moved if what it guides went at least a quarter of the way asked for, or 5 mm of it, in the segments that it began."""
+    """{"given", "moved"}: script is [(t, guide, axes, lift)]. A command is a maximal interval of constant input that asks
+    for something its part can do; it moved if what it guides came at least a quarter of the way asked for, or 5 mm of it,
+    between the beginning of its first segment and the end of its last one, which takes `LEAST_DURATION` if it is let."""
     trace, robot = Trace(trace_file), Robot(model_file, profile_file)
     profile, m = robot.profile, robot.m
     dt, segment = profile["tick"]["period"], trace.number["segment"]
@@ -715,8 +727,15 @@ def count_commands(trace_file, model_file, profile_file, script):
     given = moved = 0
     for (_, guide, axes, lift), first, last in zip(kept, edges, edges[1:]):
         foot = {"left_foot": 0, "right_foot": 1}.get(guide)
-        throttle = 0.0 if foot is None else lift[foot]
-        if first >= last or not (any(axes) or throttle):
+        throttle = 0.0 if foot is None or lift[foot] < LEAST_LIFT else lift[foot]
+        way, turn = np.array(axes[:3]), np.array(axes[3:]) * profile["reach"]["rotation"]
+        way *= profile["reach"]["trunk" if guide == "trunk" else guide.split("_")[1]]
+        if foot is not None:
+            way[2], turn[:2] = throttle * profile["swing"]["lift"], 0
+        elif guide != "trunk" and not robot.hand_has_attitude(guide):
+            turn[:] = 0
+        wanted, wanted_turn = np.linalg.norm(way), np.linalg.norm(turn)
+        if first >= last or not (wanted or wanted_turn):
             continue
         given += 1
         own = begins[(begins >= first + late) & (begins < last + late)]
@@ -724,17 +743,15 @@ def count_commands(trace_file, model_file, profile_file, script):
             continue
         ends = np.flatnonzero(segment != segment[own[-1]])
         ends = ends[ends > own[-1]]
+        end = max(ends[0] if len(ends) else trace.ticks, own[-1] + round(LEAST_DURATION / dt))
         p, R, ahead = look(own[0], guide)
-        p1, R1, _ = look(ends[0] if len(ends) else trace.ticks, guide)
         yaw = np.arctan2(ahead[1], ahead[0])
         heading = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
-        way, turn = np.array(axes[:3]), np.array(axes[3:]) * profile["reach"]["rotation"]
-        way *= profile["reach"]["trunk" if guide == "trunk" else guide.split("_")[1]]
-        if foot is not None:
-            way[2], turn[:2] = throttle * profile["swing"]["lift"], 0
-        wanted, wanted_turn = np.linalg.norm(way), np.linalg.norm(turn)
-        made = heading @ way @ (p1 - p) / wanted if wanted else 0.0
-        made_turn = heading @ turn @ rotation_vector(R1 @ R.T) / wanted_turn if wanted_turn else 0.0
+        made = made_turn = 0.0
+        for tick in range(own[0], min(end, trace.ticks) + 1):
+            p1, R1, _ = look(tick, guide)
+            made = max(made, heading @ way @ (p1 - p) / wanted if wanted else 0.0)
+            made_turn = max(made_turn, heading @ turn @ rotation_vector(R1 @ R.T) / wanted_turn if wanted_turn else 0.0)
         moved += bool(wanted and made >= min(wanted / 4, 5e-3)) or bool(wanted_turn and made_turn >= wanted_turn / 4)
     return {"given": given, "moved": moved}
 

@@ -47,7 +47,7 @@ IDEAL = [
     Sample("uniform", 3, "flat"),
     Sample("friendly", 4, "room"),
     Sample("friendly", 5, "flat"),
-    Sample("hectic", 6, "room"),
+    Sample("hectic", 45, "room"),
 ]
 SCALED = [Sample("mixed", 7, "room", "scaled"), Sample("friendly", 8, "flat", "scaled")]
 PHYSICS = Sample("mixed", 9, "room", on="sim")
@@ -128,7 +128,7 @@ def test_the_stick_is_away_from_the_centre(sample):
     assert active >= 0.7 * SECONDS
 
 
-def test_two_commands_in_five_move_the_robot(driven):
+def test_four_commands_in_five_move_the_robot(driven):
     said, found = collections.Counter(), collections.Counter()
     for sample in EVERY:
         run = driven(sample)
@@ -138,7 +138,7 @@ def test_two_commands_in_five_move_the_robot(driven):
         assert 0 < commands["moved"] <= commands["given"] <= counted["given"]
         said.update(commands)
         found.update(counted)
-    assert said["moved"] >= 0.4 * said["given"], said
+    assert said["moved"] >= 0.8 * said["given"], said
     # The report's own count against what the trace shows, which also counts throttles that only stay up.
     assert said["given"] >= 0.9 * found["given"], (said, found)
     assert abs(said["moved"] - found["moved"]) <= 0.05 * found["given"], (said, found)

@@ -184,6 +184,33 @@ TEST_P(VerifierTest, RefusesPosturesThatAreNotThePlannedOnes) {
   }
 }
 
+TEST_P(VerifierTest, RefusesATrunkThatLeansTooFarUnlessItStraightensUp) {
+  // Bolt upright from upright, seen by a robot that may not lean: what matters is where it is on the way.
+  const Motion motion = step();
+  const std::size_t middle = middle_of_the_swing(motion);
+  const RobotModel untracked_robot = untracked();
+  const double most = robot_.profile().region.trunk_inclination;
+  const auto lean = [](Motion& moves, std::size_t tick, double angle) {
+    auto q = moves.samples[tick].q.segment<4>(3);
+    const Eigen::Quaterniond now(q[0], q[1], q[2], q[3]);
+    const Eigen::Quaterniond leaning = Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3::UnitY())) * now;
+    q << leaning.w(), leaning.x(), leaning.y(), leaning.z();
+  };
+  Verifier verifier(untracked_robot, world_);
+  Motion leans = motion;
+  lean(leans, middle, most + 0.02);
+  const Refusal refusal = refusal_of(leans, verifier);
+  EXPECT_EQ(refusal.reason, Reason::trunk_inclination) << to_string(refusal.reason);
+  EXPECT_NEAR(refusal.value, most + 0.02, 0.01);
+  // As far as it leaned at the start it may lean on the way.
+  Motion straightens = motion;
+  for (std::size_t tick = 0; tick <= middle; ++tick)
+    lean(straightens, tick, most + 0.02);
+  const auto verdict = verifier.verify(straightens, Pose{});
+  const auto* other = std::get_if<Refusal>(&verdict);
+  EXPECT_TRUE(other == nullptr || other->reason != Reason::trunk_inclination);
+}
+
 TEST_P(VerifierTest, RefusesAWrenchThatNoForcesAtTheSolesGive) {
   // Ground hardly less slippery than the tangential force as a whole: the pyramids at the vertices cannot give it.
   const Motion motion = step();
