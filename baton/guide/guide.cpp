@@ -331,13 +331,18 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
 }
 
 void Guide::add_nominal(const GuideContext& context, const Goal& goal, std::vector<Goal>& goals) const {
-  Goal nominal = goal;
+  Goal other = goal;
   const double height = context.from.com.z() - context.from.support_height();
-  nominal.com.z() = com_above(context, goal).z() - height + robot_->profile().stance.com_height;
-  if (std::abs(nominal.com.z() - goal.com.z()) > kSamePlace) goals.push_back(nominal);
+  const double rise = com_above(context, goal).z() - height + robot_->profile().stance.com_height - goal.com.z();
+  if (std::abs(rise) > kSamePlace) {
+    for (const double share : {0.5, 1.0}) {
+      other.com.z() = goal.com.z() + share * rise;
+      goals.push_back(other);
+    }
+  }
   if (tilt_of(goal.trunk) < kSameYaw) return;
-  nominal.trunk = rotation_z(mean_yaw(goal.sole));
-  goals.push_back(std::move(nominal));
+  other.trunk = rotation_z(mean_yaw(goal.sole));
+  goals.push_back(std::move(other));
 }
 
 GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
@@ -377,9 +382,11 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
   if (turns) hand.R = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * hand.R;
   goal.hand[side] = hand;
 
+  // Only a vertical wish changes how high the COM is, and only that way.
+  const double up = command.axes[2];
   const auto with_body_moved_by = [&](const Vec3& shift) {
     Goal moved = goal;
-    moved.com += shift;
+    moved.com += Vec3(shift.x(), shift.y(), up * shift.z() > 0.0 ? shift.z() : 0.0);
     const double support = from.support_height();
     moved.com.z() =
         support + std::clamp(moved.com.z() - support, profile.region.com_height.lo, profile.region.com_height.hi);
@@ -394,10 +401,25 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
   }
   // What the arm cannot do, the body may: it goes along with the hand.
   GuideResult along = stand_under(context, with_body_moved_by(hand.p - from.hand[side].p));
-  if (auto* more = std::get_if<std::vector<Goal>>(&along)) {
-    auto* goals = std::get_if<std::vector<Goal>>(&result);
-    if (goals == nullptr) return along;
+  auto* more = std::get_if<std::vector<Goal>>(&along);
+  if (more == nullptr) return result;
+  auto* goals = std::get_if<std::vector<Goal>>(&result);
+  if (goals == nullptr) {
+    result = std::move(along);
+    goals = std::get_if<std::vector<Goal>>(&result);
+  } else {
     goals->insert(goals->end(), more->begin(), more->end());
+  }
+  // Or it makes a step that way and takes the hand along, to go on from there.
+  for (const Goal& step : std::vector<Goal>(*goals)) {
+    if (step.kind != SegmentKind::step) continue;
+    const Vec3 way = step.com - from.com;
+    const Vec3 stride = step.sole[*step.swing].p - from.sole[*step.swing].p;
+    if (!((context.goes_on ? way : stride).dot(hand.p - from.hand[side].p) > 0.0)) continue;
+    Goal carried = step;
+    carried.hand[side].reset();  // the arm stays as it is
+    goals->push_back(std::move(carried));
+    break;
   }
   return result;
 }

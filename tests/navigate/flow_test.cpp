@@ -216,10 +216,31 @@ TEST_P(FlowTest, AFootThatIsAboutToLeaveTheGroundIsNotSentElsewhere) {
   EXPECT_GT(replaced_before, 10);
 }
 
+TEST_P(FlowTest, AHandLeadsTheRobotAsFarAsItIsGuided) {
+  // Beyond the arm's reach the body follows, by steps, in every direction and without a rest.
+  for (const auto& [x, y] : {std::pair(1.0, 0.0), {-1.0, 0.0}, {0.0, 1.0}, {0.0, -1.0}, {1.0, 0.5}, {1.0, -0.5}}) {
+    Trip walk(robot_);
+    int longest = 0;  // time without a motion
+    int rests = 0;
+    for (int k = 0; k < static_cast<int>(16 * second_); ++k) {
+      walk.step(stick(Part::left_hand, axes(x, y, 0)));
+      rests = walk.navigator().motion() == nullptr ? rests + 1 : 0;
+      longest = std::max(longest, rests);
+    }
+    const Vec3 way = walk.posture().com - walk.home().com;
+    const Vec2 wish = Vec2(x, y).normalized();
+    EXPECT_GT(way.head<2>().dot(wish), 0.2 * size_) << x << ", " << y;
+    EXPECT_NEAR(way.z(), 0.0, 0.03 * size_) << x << ", " << y;
+    EXPECT_LT(longest, second_) << x << ", " << y;
+  }
+}
+
 TEST_P(FlowTest, AfterAHandHasLedTheBodyAsideAndDownTheTrunkStillWalks) {
   Trip walk(robot_);
+  Vec6 aside = axes(0, 0.5, 0);
+  aside[2] = -0.5;
   for (int k = 0; k < static_cast<int>(3.7 * second_); ++k)
-    walk.step(stick(Part::left_hand, axes(0, 0.5, 0)));
+    walk.step(stick(Part::left_hand, aside));
   const Posture led = walk.posture();
   EXPECT_LT(led.com.z(), walk.home().com.z() - 0.01 * size_);
   for (int k = 0; k < static_cast<int>(2.4 * second_); ++k)

@@ -125,7 +125,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         break;
       case Reason::unreachable:
         p.ik.hand = 1e-9;  // no hand comes as near to its goal as that
-        c.command = push(Part::left_hand, 0);
+        c.command = push(Part::left_hand, 2, 0.2);
         break;
       case Reason::joint_limit:
         p.region.com_height.lo = 0.5 * size;
