@@ -5,6 +5,7 @@ export default defineConfig({
     include: ['test/browser/*.test.ts'],
     testTimeout: 120_000,
     hookTimeout: 120_000,
+    retry: 1, // a live page and a live robot: a busy machine may stall either
     fileParallelism: false,
   },
 });

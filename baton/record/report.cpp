@@ -58,7 +58,7 @@ std::optional<Report::Interval> Report::asked(const Command& command, bool lifts
   const Profile& profile = robot_->profile();
   if (command.recall != Recall::none || command.neutral() || (command.axes.isZero(0.0) && !lifts)) return std::nullopt;
   const bool is_a_foot = is_foot(command.guide);
-  const double size = is_a_foot              ? profile.reach.foot
+  const double size = is_a_foot                ? profile.reach.foot
                       : is_hand(command.guide) ? profile.reach.hand
                                                : profile.reach.trunk;
   Vec3 move = command.axes.head<3>() * size;
@@ -81,7 +81,8 @@ void Report::account(const Credit& credit, bool over) {
   Interval& interval = commands_[credit.command];
   const Pose now = guided_pose(interval.command.guide);
   const double made = interval.made + along(interval.asked, now.p - credit.start.p);
-  const double rotation = interval.made_rotation + along(interval.asked_rotation, rotation_error(now.R, credit.start.R));
+  const double rotation =
+      interval.made_rotation + along(interval.asked_rotation, rotation_error(now.R, credit.start.R));
   interval.most = std::max(interval.most, made);
   interval.most_rotation = std::max(interval.most_rotation, rotation);
   if (!over) return;

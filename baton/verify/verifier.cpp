@@ -8,14 +8,14 @@
 namespace baton {
 namespace {
 
-constexpr double kMissing = 1e-3;      ///< share of the weight that vertex forces may leave, a rounding
-constexpr double kLean = 0.01;         ///< by which a trunk may lean farther on its way than at rest [rad]
+constexpr double kMissing = 1e-3;  ///< share of the weight that vertex forces may leave, a rounding
+constexpr double kLean = 0.01;     ///< by which a trunk may lean farther on its way than at rest [rad]
 constexpr double kLeanRounding = 1e-6;
-constexpr double kSlack = 1e-5;        ///< by which a distance that is too small already may shrink [m]
-constexpr double kClearance = 0.2;     ///< share of the swing's clearance that a foot has wherever it travels
-constexpr double kRise = 0.3;          ///< height over way, where it leaves the ground and where it lands
-constexpr double kContact = -2e-4;     ///< height at which a sole leaves the ground it stood on, and meets the next [m]
-constexpr double kMarginStep = 0.25;   ///< of the margin to edges, where a foot stands nearer already
+constexpr double kSlack = 1e-5;       ///< by which a distance that is too small already may shrink [m]
+constexpr double kClearance = 0.2;    ///< share of the swing's clearance that a foot has wherever it travels
+constexpr double kRise = 0.3;         ///< height over way, where it leaves the ground and where it lands
+constexpr double kContact = -2e-4;    ///< height at which a sole leaves the ground it stood on, and meets the next [m]
+constexpr double kMarginStep = 0.25;  ///< of the margin to edges, where a foot stands nearer already
 
 /// Whether a quantity is bounded from above (or from below).
 bool has_upper_limit(Reason quantity) {

@@ -197,7 +197,8 @@ TEST_P(FlowTest, AFootThatIsAboutToLeaveTheGroundIsNotSentElsewhere) {
   int lift_off = 0;  // ticks of the motion under way until a foot leaves the ground; 0: none does
   int at = 0;
   for (int k = 0; k < static_cast<int>(120 * second_); ++k) {
-    if (random() % 12 == 0) command = stick(kParts[random() % kParts.size()], axes(uniform(random), uniform(random), 0));
+    if (random() % 12 == 0)
+      command = stick(kParts[random() % kParts.size()], axes(uniform(random), uniform(random), 0));
     const long committed = walk.navigator().committed();
     const bool moved = walk.navigator().motion() != nullptr;
     walk.step(command);
