@@ -393,35 +393,35 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
     return moved;
   };
   if (context.step) return std::vector<Goal>{stepping(context, goal, context.step->side, context.step->to)};
+  std::vector<Goal> goals;
+  std::optional<Refusal> against;
+  const auto add = [&](const GuideResult& more) {
+    const auto* list = std::get_if<std::vector<Goal>>(&more);
+    if (list != nullptr) goals.insert(goals.end(), list->begin(), list->end());
+    if (list == nullptr && !against) against = std::get<Refusal>(more);
+  };
+  const Vec3 move = hand.p - from.hand[side].p;
   const Vec3 stretch = hand.p - from.shoulder[side];
   const double length = stretch.norm();
-  GuideResult result = std::vector<Goal>{goal};
   if (length > profile.region.hand_distance) {
-    result = stand_under(context, with_body_moved_by((length - profile.region.hand_distance) / length * stretch));
+    add(stand_under(context, with_body_moved_by((length - profile.region.hand_distance) / length * stretch)));
+  } else {
+    goals.push_back(goal);
   }
   // What the arm cannot do, the body may: it goes along with the hand.
-  GuideResult along = stand_under(context, with_body_moved_by(hand.p - from.hand[side].p));
-  auto* more = std::get_if<std::vector<Goal>>(&along);
-  if (more == nullptr) return result;
-  auto* goals = std::get_if<std::vector<Goal>>(&result);
-  if (goals == nullptr) {
-    result = std::move(along);
-    goals = std::get_if<std::vector<Goal>>(&result);
-  } else {
-    goals->insert(goals->end(), more->begin(), more->end());
-  }
-  // Or it makes a step that way and takes the hand along, to go on from there.
-  for (const Goal& step : std::vector<Goal>(*goals)) {
-    if (step.kind != SegmentKind::step) continue;
-    const Vec3 way = step.com - from.com;
+  add(stand_under(context, with_body_moved_by(move)));
+  if (goals.empty()) return *against;
+  // Or it makes a step that way and takes the arm along as it is, to go on from there.
+  const auto leads = std::find_if(goals.begin(), goals.end(), [&](const Goal& step) {
+    if (step.kind != SegmentKind::step) return false;
     const Vec3 stride = step.sole[*step.swing].p - from.sole[*step.swing].p;
-    if (!((context.goes_on ? way : stride).dot(hand.p - from.hand[side].p) > 0.0)) continue;
-    Goal carried = step;
-    carried.hand[side].reset();  // the arm stays as it is
-    goals->push_back(std::move(carried));
-    break;
+    return (context.goes_on ? step.com - from.com : stride).dot(move) > 0.0;
+  });
+  if (leads != goals.end()) {
+    goals.push_back(Goal(*leads));
+    goals.back().hand[side].reset();
   }
-  return result;
+  return goals;
 }
 
 GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) const {
