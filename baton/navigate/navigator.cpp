@@ -22,7 +22,7 @@ constexpr double kReplacing = 0.1;        ///< between two replacements of a mot
 constexpr double kLeastFlight = 0.04;     ///< a foot that leaves or meets the ground sooner is not sent elsewhere [s]
 constexpr double kSameStick = 0.05;       ///< change of an axis or lift that does not count
 constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
-constexpr double kSameRest = 1e-3;        ///< of a joint [rad]
+constexpr double kSameRest = 1e-5;        ///< of a joint [rad]
 
 /// Sample at which the last phase begins.
 int last_phase_of(const Motion& motion) {
@@ -135,9 +135,10 @@ Planning::Outcome Planning::halt(const Problem& problem) {
   PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor, DurationRule::search);
   if (auto* refusal = std::get_if<Refusal>(&planned)) return std::move(*refusal);
   auto& motion = std::get<Motion>(planned);
-  // From there the trail leads back only if it is there to the hair.
   const double off = (motion.end.q - there.q).cwiseAbs().maxCoeff();
   if (off > kSameRest) return Refusal{Reason::unreachable, goal.guided, off, kSameRest, "rest on the way back"};
+  // The trail goes on from there, to the bit.
+  motion.samples.back().q = motion.rest.q = motion.end.q = there.q;
   return std::move(motion);
 }
 
