@@ -246,6 +246,18 @@ def row(name, changes):
     return f"{'page latency: ' + name:<56} {'ms':>5}{numbers} {len(values):>7}  {remark}"
 
 
+def loop_lines(report, lags):
+    """How the loop and the planner kept up."""
+    loop, plan = report["loop"], report["plan_us"]
+    ticks = round(report["duration_s"] / (1e-6 * loop["period_us"]))
+    used = (f"{name} {loop['period_us'] - loop['slack_us'][slack]:.0f}" for name, slack in (("p99", "p1"), ("max", "min")))
+    return (
+        f"ticks: {ticks}, late {loop['late']}, of the period used {', '.join(used)} us; CPU p99 {report['tick_us']['p99']:.0f} us;"
+        f" states behind the clock: p99 {1e3 * quantile(lags, 0.99):.1f} ms\n"
+        f"answers: {plan['n']}, CPU p50 {plan['p50']:.0f} us, p99 {plan['p99']:.0f}; too late and dropped: {loop['dropped']}"
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--changes", type=int, default=120, help="times that the stick is deflected anew (120, about 5 minutes)")
@@ -265,11 +277,7 @@ def main():
     moved = [change for change in changes if change.response is not None]
     print(row("a motion is the first answer, or it is late", [c for c in moved if c.first]))
     print(row("a refusal is, or nothing to do", [c for c in moved if not c.first]))
-    loop = report["loop"]
-    print(f"ticks: {round(report['duration_s'] / (1e-6 * loop['period_us']))}, late {loop['late']}, used p99 {loop['used_us']['p99']:.0f} us,"
-          f" max {loop['used_us']['max']:.0f}; states behind the clock: p99 {1e3 * quantile(lags, 0.99):.1f} ms")  # fmt: skip
-    print(f"answers: {report['plan_us']['n']}, CPU p50 {report['plan_us']['p50']:.0f} us, p99 {report['plan_us']['p99']:.0f};"
-          f" too late and dropped: {loop['dropped']}")  # fmt: skip
+    print(loop_lines(report, lags))
     return 0
 
 

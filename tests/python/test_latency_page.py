@@ -28,3 +28,4 @@ def test_every_change_arrives_and_is_accounted_for(tmp_path):
     assert report["loop"]["dropped"] >= 0 and report["segments"]["committed"] >= len({change.response for change in answered})
     assert min(lags) == 0
     assert "above 150" in latency_page.row("all", changes)
+    assert f"late {report['loop']['late']}," in latency_page.loop_lines(report, lags)
