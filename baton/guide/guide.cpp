@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSamePlace = 1e-3;                    ///< [m] differences below do not decide
 constexpr double kSameYaw = 0.01;                      ///< [rad]
+constexpr double kLeads = 0.7;                         ///< cosine of the angle between two ways that are one
 constexpr double kSearch = 0.01;                       ///< spacing of the places that a foot is tried at [m]
 constexpr double kFineSearch = 0.002;                  ///< the same straight ahead, where edges are [m]
 constexpr std::array<double, 3> kHalt{1.0, 1.5, 0.5};  ///< ways that a COM is given to halt, in v/ω
@@ -411,11 +412,11 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
   // What the arm cannot do, the body may: it goes along with the hand.
   add(stand_under(context, with_body_moved_by(move)));
   if (goals.empty()) return *against;
-  // Or it makes a step that way and takes the arm along as it is, to go on from there.
+  // Or it makes a step that leads the same way and takes the arm along as it is, to go on from there.
   const auto leads = std::find_if(goals.begin(), goals.end(), [&](const Goal& step) {
-    if (step.kind != SegmentKind::step) return false;
-    const Vec3 stride = step.sole[*step.swing].p - from.sole[*step.swing].p;
-    return (context.goes_on ? step.com - from.com : stride).dot(move) > 0.0;
+    const Vec3 way = step.com - from.com;
+    const bool same = way.dot(move) > kLeads * way.norm() * move.norm() && way.norm() <= move.norm();
+    return step.kind == SegmentKind::step && same;
   });
   if (leads != goals.end()) {
     goals.push_back(Goal(*leads));
