@@ -24,8 +24,8 @@ Rows bench_plan(const Options& /*unused*/) {
     goal.trunk = from.trunk;
     goal.arms = from.q.tail(robot.nv() - 6);
     // Somewhere in its stand-on region, so that the weight has farther to go.
-    from.com.y() += 0.05 * unit(random);
-    from.com.x() += 0.02 * unit(random);
+    from.com.y() += 0.06 * unit(random);
+    from.com.x() += 0.03 * unit(random);
     const Side side = unit(random) > 0 ? Side::left : Side::right;
     const double which = unit(random);
     if (which > -0.6) {
