@@ -257,9 +257,8 @@ int soak(const SoakOptions& o) {
   if (interrupted) fmt::print("interrupted; --resume goes on\n");
   const Tally::Retrace& back = tally.retrace;
   fmt::print(
-      "{} violations in {} segments: failure rate below {:.2g} with 95 % confidence; {} of {} motions retraced, {:.2g} "
-      "m "
-      "and {:.2g} rad off at most\n",
+      "{} violations in {} segments: failure rate below {:.2g} with 95 % confidence; "
+      "{} of {} motions retraced, {:.2g} m and {:.2g} rad off at most\n",
       tally.failures, tally.segments, failure_rate_95(tally.failures, tally.segments), back.arrived, back.tried,
       back.worst_m, back.worst_rad);
   return tally.failures == 0 ? kDone : kFailed;

@@ -331,19 +331,19 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   return goals;
 }
 
-void Guide::add_nominal(const GuideContext& context, const Goal& goal, std::vector<Goal>& goals) const {
-  Goal other = goal;
+void Guide::add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const {
   const double height = context.from.com.z() - context.from.support_height();
-  const double rise = com_above(context, goal).z() - height + robot_->profile().stance.com_height - goal.com.z();
+  const double asked = goal.com.z();
+  const double rise = com_above(context, goal).z() - height + robot_->profile().stance.com_height - asked;
   if (std::abs(rise) > kSamePlace) {
     for (const double share : {0.5, 1.0}) {
-      other.com.z() = goal.com.z() + share * rise;
-      goals.push_back(other);
+      goal.com.z() = asked + share * rise;
+      goals.push_back(goal);
     }
   }
   if (tilt_of(goal.trunk) < kSameYaw) return;
-  other.trunk = rotation_z(mean_yaw(goal.sole));
-  goals.push_back(std::move(other));
+  goal.trunk = rotation_z(mean_yaw(goal.sole));
+  goals.push_back(std::move(goal));
 }
 
 GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
@@ -360,9 +360,10 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   const double most = profile.region.trunk_inclination;
   // One that leans as far as it may leans no farther, but it goes on.
   goal.trunk = leaning(turned, most);
-  if ((goal.com - from.com).norm() < 1e-6 && tilt_of(turned) > std::max(most, tilt_of(from.trunk) - 1e-9))
+  const bool still = (goal.com - from.com).norm() < 1e-6;
+  if (still && tilt_of(turned) > std::max(most, tilt_of(from.trunk) - 1e-9))
     return Refusal{Reason::trunk_inclination, Part::trunk, tilt_of(turned), most, ""};
-  if ((goal.com - from.com).norm() < 1e-6 && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
+  if (still && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }
   arms_home(goal);
@@ -419,7 +420,7 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
     return step.kind == SegmentKind::step && same;
   });
   if (leads != goals.end()) {
-    goals.push_back(Goal(*leads));
+    goals.push_back(*leads);
     goals.back().hand[side].reset();
   }
   return goals;
@@ -449,7 +450,7 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const bool turns_alone = stands && turn && !context.step;
   if (turns_alone && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
   const auto step = std::find_if(goals.begin(), goals.end(), [](const Goal& g) { return g.kind == SegmentKind::step; });
-  if (step != goals.end()) add_nominal(context, Goal(*step), goals);
+  if (step != goals.end()) add_nominal(context, *step, goals);
   if (!goals.empty()) return goals;
   return Refusal{Reason::no_progress, against->part, against->value, against->limit,
                  std::string(to_string(against->reason))};

@@ -75,7 +75,7 @@ class Guide {
   [[nodiscard]] Goal landing(const GuideContext& context, Side side, const Pose& sole) const;
   /// What else may be done if the legs cannot step with the COM so low or high, or the trunk so inclined: the same with
   /// the COM as high as at the start, and with the trunk upright too.
-  void add_nominal(const GuideContext& context, const Goal& goal, std::vector<Goal>& goals) const;
+  void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
   void arms_home(Goal& goal) const;
   /// The foot at a place on the ground, or in the air `lift` above it.
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
