@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <vector>
 
 #include "baton/model/error.hpp"
 
@@ -65,13 +66,28 @@ ModelPtr compile_model(mjSpec& spec, const std::string& what) {
   return model;
 }
 
-ModelPtr compile_text(const std::string& mjcf, const std::string& what) {
+SpecPtr parse_text(const std::string& mjcf, const std::string& what) {
   install_mujoco_handlers();
   const auto lock = lock_compiler();
   std::array<char, 1000> message{};
-  const SpecPtr spec(mj_parseXMLString(mjcf.c_str(), nullptr, message.data(), message.size()));
+  SpecPtr spec(mj_parseXMLString(mjcf.c_str(), nullptr, message.data(), message.size()));
   if (!spec) throw InputError(fmt::format("{}: {}", what, one_line(message.data())));
-  return compile_model(*spec, what);
+  return spec;
+}
+
+std::string text_of(const mjSpec& spec, const std::string& what) {
+  constexpr std::size_t kLongest = 1 << 22;
+  std::array<char, 1000> message{};
+  std::vector<char> text(kLongest);
+  if (mj_saveXMLString(&spec, text.data(), static_cast<int>(text.size()), message.data(), message.size()) != 0) {
+    throw InputError(fmt::format("{}: {}", what, one_line(message.data())));
+  }
+  return text.data();
+}
+
+ModelPtr compile_text(const std::string& mjcf, const std::string& what) {
+  const auto lock = lock_compiler();
+  return compile_model(*parse_text(mjcf, what), what);
 }
 
 int find_id(const mjModel& model, mjtObj type, const std::string& name, const std::string& owner) {

@@ -37,6 +37,14 @@ void install_mujoco_handlers();
 /// @throws InputError the model does not compile; `what` names it in the message
 [[nodiscard]] ModelPtr compile_model(mjSpec& spec, const std::string& what);
 
+/// Reads MJCF text; `what` names it in messages.
+/// @throws InputError it is not a model
+[[nodiscard]] SpecPtr parse_text(const std::string& mjcf, const std::string& what);
+
+/// A model as MJCF text. It must have been compiled since it was last changed.
+/// @throws InputError it has no text
+[[nodiscard]] std::string text_of(const mjSpec& spec, const std::string& what);
+
 /// Compiles MJCF text.
 /// @throws InputError as above
 [[nodiscard]] ModelPtr compile_text(const std::string& mjcf, const std::string& what);

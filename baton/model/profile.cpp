@@ -152,6 +152,13 @@ std::map<std::string, Profile::Gains> servo_gains(const Reader& read) {
 
 }  // namespace
 
+Drive drive_named(const std::string& name, const std::string& owner) {
+  for (const Drive drive : {Drive::torque, Drive::pd, Drive::stiff}) {
+    if (name == to_string(drive)) return drive;
+  }
+  throw InputError(fmt::format("{} is \"{}\" but should be torque, pd or stiff", owner, name));
+}
+
 Profile Profile::load(const std::filesystem::path& file) {
   toml::table table;
   try {
@@ -203,7 +210,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   if (lookahead != std::round(lookahead)) read.complain("tick.lookahead", "a whole number");
   p.tick = {read.number("tick.period", 1e-4, 0.1), static_cast<int>(lookahead)};
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
-  if (read.text("drive.kind") != "pd") read.complain("drive.kind", "\"pd\"");
+  p.drive = drive_named(read.text("drive.kind"), fmt::format("profile {}: drive.kind", file.string()));
   p.gains = servo_gains(read);
   read.complain_of_unknown_keys();
   return p;

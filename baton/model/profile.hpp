@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace baton {
@@ -14,6 +15,21 @@ struct Range {
   double lo = 0.0;
   double hi = 0.0;
 };
+
+/// What the servos of the joints take.
+enum class Drive {
+  torque,  ///< angle, speed, and a feed-forward torque
+  pd,  ///< angle and speed: torque = kp (q − q_m) + kd (q̇ − q̇_m), so that a torque can be folded into the angle
+  stiff,  ///< the angle alone, which they hold as firmly as they can
+};
+
+[[nodiscard]] constexpr std::string_view to_string(Drive drive) {
+  constexpr std::array<std::string_view, 3> names{"torque", "pd", "stiff"};
+  return names[static_cast<std::size_t>(drive)];
+}
+
+/// @throws InputError no such drive; the message names `owner`
+[[nodiscard]] Drive drive_named(const std::string& name, const std::string& owner);
 
 /// Values are SI and radians; every one comes from the robot's `profile.toml`.
 struct Profile {
@@ -115,6 +131,8 @@ struct Profile {
   struct Stabiliser {
     double k_dcm = 0.0;  ///< gain on the DCM error, k_p of docs/theory.md §6 [1/s]
   } stabiliser;
+
+  Drive drive = Drive::pd;
 
   /// Servo gains of one joint [N·m/rad], [N·m·s/rad].
   struct Gains {

@@ -182,13 +182,9 @@ std::string World::compose(const RobotModel& robot, double timestep) const {
   option.disableflags |= mjDSBL_AUTORESET;
   for (int axis = 0; axis < 3; ++axis)
     option.gravity[axis] = axis == 2 ? -kGravity : 0.0;
-  const ModelPtr compiled = compile_model(*world, fmt::format("world {} with robot {}", name_, robot.profile().name));
-  std::array<char, 1000> message{};
-  std::vector<char> text(1 << 22);
-  if (mj_saveXMLString(world.get(), text.data(), static_cast<int>(text.size()), message.data(), message.size()) != 0) {
-    throw InputError(fmt::format("world {} with robot {}: {}", name_, robot.profile().name, message.data()));
-  }
-  return text.data();
+  const std::string what = fmt::format("world {} with robot {}", name_, robot.profile().name);
+  static_cast<void>(compile_model(*world, what));
+  return text_of(*world, what);
 }
 
 }  // namespace baton
