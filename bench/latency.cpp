@@ -18,8 +18,8 @@ constexpr double kRest = 1.0;        ///< waited for a motion, beyond the longes
 
 /// One run, tick by tick.
 struct Run {
-  Run(const RobotModel& robot, const Posture& start)
-      : navigator(robot, start), body(robot, start, robot.profile().tick.period) {}
+  Run(const RobotModel& robot, const World& world, const Posture& start)
+      : navigator(robot, world, start), body(robot, start, robot.profile().tick.period) {}
 
   void tick(const Command& command) {
     const JointTarget& target = navigator.tick(body.read(), command);
@@ -117,9 +117,9 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
   const double period = profile.tick.period;
   const Posture start = stand(robot, world.site("start"), profile.stance.com_height);
   Planning planning(robot, world);
-  Run changed(robot, start);
-  Run held(robot, start);
-  Run unanswered(robot, start);
+  Run changed(robot, world, start);
+  Run held(robot, world, start);
+  Run unanswered(robot, world, start);
   long tick = 0;
   for (const Stretch& stretch : script) {
     for (; static_cast<double>(tick) * period < stretch.until; ++tick) {

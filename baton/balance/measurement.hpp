@@ -8,7 +8,7 @@
 namespace baton {
 
 /// Pose and velocity of the body with the free joint. No sensor gives it; a simulated robot may, as a perfect
-/// sensor, while there is no estimator.
+/// sensor.
 struct RootMeasurement {
   Pose pose;                     ///< in the world
   Vec3 velocity = Vec3::Zero();  ///< of its origin, in the world [m/s]
@@ -19,6 +19,7 @@ struct Measurement {
   double t = 0.0;  ///< [s]
   VecX q;          ///< joint angles (n) [rad]
   VecX dq;         ///< [rad/s]
+  VecX torque;     ///< that the motors give, as their currents say; empty: not measured (n) [N·m]
   struct Imu {
     Mat3 attitude = Mat3::Identity();  ///< of the sensor in the world
     Vec3 rate = Vec3::Zero();          ///< in the sensor's frame [rad/s]

@@ -1,36 +1,74 @@
 #include "baton/balance/stabiliser.hpp"
 
-namespace baton {
+#include <algorithm>
+#include <utility>
 
-Stabiliser::Stabiliser(const RobotModel& robot) : robot_(&robot), kinematics_(robot) {
+namespace baton {
+namespace {
+
+constexpr double kIntegrates = 0.5;    ///< time in which the integral grows as large as the servo's torque [s]
+constexpr double kForgets = 2.0;       ///< time constant with which it leaks away [s]
+constexpr double kMostIntegral = 0.2;  ///< of the stall torque
+
+}  // namespace
+
+Stabiliser::Stabiliser(const RobotModel& robot) : robot_(&robot), kinematics_(robot), footing_(robot) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  target_ = {zero, zero, zero, zero, {}};
+  planned_ = integral_ = zero;
+  target_ = {zero, zero, zero, zero, {}, zero};
 }
 
 const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSample& next, const State& state) {
   const Profile& profile = robot_->profile();
   const double omega = robot_->omega();
+  correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
+  if (!std::exchange(first_, false)) {
+    footing_.follow(now, state, wanted_);
+    integrate(state);
+  }
   kinematics_.set(next.q);
   Wrench total = ground_wrench(kinematics_, next.force);
 
   // p_cmd = p + (1 + k/ω)(ξ_m − ξ_ref), kept inside the support; the wrench is turned so that it meets it.
-  correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
   const Vec2 wish = next.zmp + (1.0 + profile.stabiliser.k_dcm / omega) * correction_.dcm_error.head<2>();
   correction_.zmp = next.zmp_region->nearest(wish);
   const Vec2 shift = correction_.zmp - next.zmp;
   total.moment += Vec3(shift.x(), shift.y(), 0).cross(Vec3(0, 0, total.force.z()));
 
   const BySide<Wrench> shared = share_wrench(*robot_, next.sole, next.contact, total);
+  for (const Side side : kSides)
+    wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
   joint_torques(kinematics_, next.force, shared, target_.tau);
   const int n = robot_->nv() - 6;
   target_.q = next.q.tail(n);
   target_.dq = next.dq.tail(n);
   target_.ddq = next.ddq.tail(n);
   target_.contact = next.contact;
+  planned_ = target_.q;
+  footing_.apply(kinematics_, planned_);
+  target_.shift = planned_ - target_.q;
   for (int j = 0; j < n; ++j) {
-    target_.tau[j] += robot_->joints()[static_cast<std::size_t>(j)].motor.damping * target_.dq[j];
+    target_.tau[j] += robot_->joints()[static_cast<std::size_t>(j)].motor.damping * target_.dq[j] + integral_[j];
   }
   return target_;
+}
+
+void Stabiliser::reset() {
+  footing_ = Footing(*robot_);
+  integral_.setZero();
+  first_ = true;
+}
+
+void Stabiliser::integrate(const State& state) {
+  const double period = robot_->profile().tick.period;
+  const int n = robot_->nv() - 6;
+  for (int j = 0; j < n; ++j) {
+    const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
+    const double error = planned_[j] - state.q[7 + j];
+    const double most = kMostIntegral * joint.motor.stall;
+    integral_[j] += period * (joint.gains.kp * error / kIntegrates - integral_[j] / kForgets);
+    integral_[j] = std::clamp(integral_[j], -most, most);
+  }
 }
 
 }  // namespace baton

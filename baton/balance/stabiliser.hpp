@@ -2,7 +2,7 @@
 /// contact wrench (docs/theory.md §6).
 #pragma once
 
-#include "baton/balance/state.hpp"
+#include "baton/balance/footing.hpp"
 
 namespace baton {
 
@@ -21,11 +21,23 @@ class Stabiliser {
   /// @param next planned sample at the end of this tick
   [[nodiscard]] const JointTarget& target(const MotionSample& now, const MotionSample& next, const State& state);
 
+  /// Forgets what it has learnt of ground and motors.
+  void reset();
+
+  [[nodiscard]] const Footing& footing() const { return footing_; }
   [[nodiscard]] const Correction& correction() const { return correction_; }
 
  private:
   const RobotModel* robot_;
+  /// What keeps the joints at their angles on the long run: torque that grows with the error.
+  void integrate(const State& state);
+
   Kinematics kinematics_;
+  Footing footing_;
+  VecX planned_;           ///< joint angles that were to be reached by now, footing included [rad]
+  VecX integral_;          ///< [N·m]
+  BySide<Wrench> wanted_;  ///< of each sole, moment about its centre
+  bool first_ = true;
   JointTarget target_;
   Correction correction_;
 };

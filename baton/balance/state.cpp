@@ -27,8 +27,11 @@ const State& Estimator::update(const Measurement& measurement, const Pose& ancho
   state_.trunk = kinematics_.trunk().R;
   kinematics_.rotation_jacobian(robot_->trunk_body(), jacobian_);
   state_.trunk_rate.noalias() = jacobian_ * dq_;
-  for (const Side side : kSides)
+  for (const Side side : kSides) {
     state_.sole[side] = kinematics_.sole(side);
+    const Mat3& R = state_.sole[side].R;
+    state_.force[side] = {R * measurement.sole[side].force, R * measurement.sole[side].moment};
+  }
   return state_;
 }
 

@@ -14,6 +14,7 @@ struct State {
   Mat3 trunk = Mat3::Identity();   ///< attitude
   Vec3 trunk_rate = Vec3::Zero();  ///< [rad/s]
   BySide<Pose> sole;
+  BySide<Wrench> force;  ///< on each sole, axes of the planning frame, moment about the sole's centre
 
   /// Divergent component of motion [m].
   [[nodiscard]] Vec3 dcm(double omega) const { return com + dcom / omega; }
@@ -26,7 +27,7 @@ class Estimator {
 
   /// The state, by forward kinematics from the measured root.
   /// @param anchor planning frame in the world
-  /// @throws std::invalid_argument the measurement has no root pose (there is no other estimator)
+  /// @throws std::invalid_argument the measurement has no root pose (docs/balance.md: odometry gives one)
   [[nodiscard]] const State& update(const Measurement& measurement, const Pose& anchor);
 
  private:

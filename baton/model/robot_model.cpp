@@ -107,6 +107,10 @@ RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
                                    profile_.parts.foot[i], leg_[side].size()));
     }
   }
+  if (!profile_.imu.empty()) {
+    const Frame sensor = site_frame(profile_.imu, owner);
+    if (sensor.body == 1) imu_ = sensor.frame;
+  }
   mass_ = m.body_subtreemass[0];
   omega_ = std::sqrt(kGravity / profile_.stance.com_height);
 }

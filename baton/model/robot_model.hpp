@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,9 @@ class RobotModel {
   /// Natural frequency of the pendulum at the nominal COM height [rad/s].
   [[nodiscard]] double omega() const { return omega_; }
 
+  /// The inertial sensor in the frame of the body with the free joint, if it is fixed to that.
+  [[nodiscard]] const std::optional<Pose>& imu_in_root() const { return imu_; }
+
   [[nodiscard]] int trunk_body() const { return trunk_body_; }
   [[nodiscard]] int foot_body(Side side) const { return foot_[side].body; }
   [[nodiscard]] int hand_body(Side side) const { return hand_[side].body; }
@@ -93,6 +97,7 @@ class RobotModel {
   double mass_ = 0.0;
   double omega_ = 0.0;
   int trunk_body_ = -1;
+  std::optional<Pose> imu_;
   BySide<Frame> foot_;
   BySide<Frame> hand_;
   BySide<int> shoulder_body_;

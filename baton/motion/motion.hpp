@@ -26,6 +26,7 @@ struct JointTarget {
   VecX ddq;                          ///< [rad/s²]
   VecX tau;                          ///< feed-forward torque at the joint, motor damping included (n) [N·m]
   BySide<bool> contact{true, true};  ///< which soles are meant to stand
+  VecX shift;  ///< what balance adds to the angles, on ground that is not as planned; empty: nothing [rad]
 };
 
 /// Planned state at one tick: what is interpolated, followed and shown.

@@ -23,6 +23,17 @@ constexpr double kLeastFlight = 0.04;     ///< a foot that leaves or meets the g
 constexpr double kSameStick = 0.05;       ///< change of an axis or lift that does not count
 constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kSameRest = 1e-5;        ///< of a joint [rad]
+constexpr double kTube = 0.02;            ///< error of the DCM with which nothing new is begun [COM height]
+constexpr double kFallenTilt = 0.8;       ///< [rad] from which a fall is certain
+constexpr double kFallenHeight = 0.5;     ///< share of the nominal COM height below which it is
+constexpr double kLifted = 0.1;           ///< share of the weight on the soles below which the robot is held by someone
+constexpr double kStands = 0.5;           ///< share from which it stands again
+constexpr double kSure = 0.15;            ///< for which that has to last [s]
+constexpr double kStill = 1.0;            ///< for which a robot that has been stood up has to be still [s]
+constexpr double kStillSpeed = 0.1;       ///< and its COM no faster [COM heights/s]
+constexpr double kEachCarries = 0.2;      ///< each sole with so much of the weight
+constexpr double kFlat = 0.1;             ///< and no more inclined [rad]
+constexpr double kBack = 0.01;            ///< error below which it is again
 
 /// Sample at which the last phase begins.
 int last_phase_of(const Motion& motion) {
@@ -216,9 +227,10 @@ bool Planning::can_land(const Motion& motion, const GuideContext& context) {
          });
 }
 
-Navigator::Navigator(const RobotModel& robot, const Posture& start, Gait gait)
+Navigator::Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait, StateSource source)
     : robot_(&robot),
       gait_(gait),
+      odometry_(robot, world, source, start),
       estimator_(robot),
       stabiliser_(robot),
       posture_(start),
@@ -226,7 +238,7 @@ Navigator::Navigator(const RobotModel& robot, const Posture& start, Gait gait)
       sample_(&held_),
       foothold_(start.sole) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  soft_ = {zero, zero, zero, zero, {false, false}};
+  soft_ = {zero, zero, zero, zero, {false, false}, zero};
   history_.reserve(static_cast<std::size_t>(kHistory) + 1);
 }
 
@@ -240,8 +252,9 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
 
   sample_ = motion_ ? &motion_->samples[static_cast<std::size_t>(index_)] : &held_;
   const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held_;
-  state_ = &estimator_.update(measurement, anchor_);
-  if (fallen_) {
+  state_ = &estimator_.update(odometry_.update(measurement, *sample_), anchor_);
+  watch();
+  if (guard_ == Guard::fallen || guard_ == Guard::stood_up) {
     soft_.q = measurement.q;
     return soft_;
   }
@@ -251,7 +264,16 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
 std::optional<Problem> Navigator::request() {
   const int lookahead = robot_->profile().tick.lookahead;
   forget();
-  if (fallen_ || tick_ < 0 || waits_) return std::nullopt;
+  if (guard_ == Guard::stood_up && command_.neutral() && supported()) begin_anew();
+  if (guard_ != Guard::armed || tick_ < 0 || waits_) return std::nullopt;
+  // Pushed off its way, or about to be: the motion under way ends at rest, and the robot stays there until it is back.
+  // Soles that slid have taken the plan with them.
+  const Pose slid = anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  const double omega = robot_->omega();
+  const Vec3 error = state_->dcm(omega) - slid * Vec3(sample_->com + sample_->dcom / omega);
+  const double off = error.head<2>().norm() / robot_->profile().stance.com_height;
+  disturbed_ = off > (disturbed_ ? kBack : kTube);
+  if (disturbed_ && command_.recall != Recall::stop) return std::nullopt;
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
   const bool stops = command_.recall == Recall::stop || (on_the_way && motion_->retraces && command_.neutral());
   std::optional<Problem> due;
@@ -448,7 +470,7 @@ void Navigator::take_over() {
   }
   // At rest nothing is lost by waiting longer for the next answer.
   late_ = answered ? 0 : std::min(late_ + (motion_ ? 0 : 1), kMostLate);
-  if (!answered || fallen_) return;
+  if (!answered || guard_ != Guard::armed) return;
   PlanningResult& result = *offered_;
   const bool stops = result.command.recall == Recall::stop;
   // Let go of meanwhile: the motion under way ends at rest.
@@ -516,15 +538,75 @@ void Navigator::forget() {
   history_.erase(history_.begin(), oldest);
 }
 
+void Navigator::watch() {
+  const double height = robot_->profile().stance.com_height;
+  const BySide<double>& load = odometry_.load();
+  const double carried = (load.left + load.right) / (robot_->mass() * kGravity);
+  const double lower = std::min(state_->sole.left.p.z(), state_->sole.right.p.z());
+  const double tilt = tilt_of(state_->trunk);
+  const auto lasts = [this](bool condition, double seconds) {
+    guard_ticks_ = condition ? guard_ticks_ + 1 : 0;
+    return guard_ticks_ * robot_->profile().tick.period >= seconds;
+  };
+  switch (guard_) {
+    case Guard::armed:
+      if (tilt > kFallenTilt || state_->com.z() - lower < kFallenHeight * height) return fall();
+      if (lasts(carried < kLifted, kSure)) guard_ = Guard::lifted;
+      break;
+    case Guard::lifted:
+      if (lasts(carried > kStands && command_.neutral(), kSure)) guard_ = Guard::armed;
+      break;
+    case Guard::fallen:
+      if (lasts(stands_upright(), kStill)) guard_ = Guard::stood_up;
+      break;
+    case Guard::stood_up:
+      if (!stands_upright()) guard_ = Guard::fallen;
+      break;
+  }
+}
+
+bool Navigator::stands_upright() const {
+  const Profile& profile = robot_->profile();
+  const double weight = robot_->mass() * kGravity;
+  bool stands = tilt_of(state_->trunk) < profile.region.trunk_inclination &&
+                state_->dcom.norm() < kStillSpeed * profile.stance.com_height;
+  for (const Side side : kSides)
+    stands = stands && odometry_.load()[side] > kEachCarries * weight && tilt_of(state_->sole[side].R) < kFlat;
+  return stands;
+}
+
+bool Navigator::supported() const {
+  const BySide<bool> both{true, true};
+  const ConvexPolygon support =
+      support_polygon(*robot_, state_->sole, both, state_->com, support_plane(state_->sole, both));
+  return support.margin(state_->com.head<2>()) > robot_->profile().margin.stand_on;
+}
+
+void Navigator::begin_anew() {
+  posture_ = posture_of(*robot_, state_->q);
+  held_ = resting(*robot_, posture_);
+  foothold_ = posture_.sole;
+  base_ = {};
+  sample_ = &held_;
+  stabiliser_.reset();
+  history_.clear();
+  retraced_.reset();
+  halts_ = false;
+  disturbed_ = false;
+  drop_refusal();
+  guard_ = Guard::armed;
+}
+
 void Navigator::fall() {
-  fallen_ = true;
+  guard_ = Guard::fallen;
+  guard_ticks_ = 0;
   motion_.reset();
   waits_ = answered_ = false;
   sample_ = &held_;
 }
 
 Phase Navigator::phase() const {
-  if (fallen_) return Phase::fallen;
+  if (guard_ == Guard::fallen || guard_ == Guard::stood_up) return Phase::fallen;
   if (!motion_) return Phase::hold;
   if (sample_->contact.left && sample_->contact.right) return Phase::double_support;
   return sample_->contact.left ? Phase::single_left : Phase::single_right;

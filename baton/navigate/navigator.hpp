@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "baton/balance/odometry.hpp"
 #include "baton/balance/stabiliser.hpp"
 #include "baton/guide/guide.hpp"
 #include "baton/plan/planner.hpp"
@@ -82,6 +83,14 @@ class Planning {
   Planner planner_;
 };
 
+/// Whether the robot may be moved. It sees for itself that it falls or is lifted off the ground.
+enum class Guard {
+  armed,
+  lifted,   ///< no sole carries: nothing new is begun until it stands again and the stick is let go of
+  fallen,   ///< the plan is cleared and the motors are soft
+  stood_up  ///< after a fall, on its feet and still: armed as soon as the stick is let go of
+};
+
 /// What the robot is doing, for traces and people.
 enum class Phase { hold, double_support, single_left, single_right, fallen };
 
@@ -92,11 +101,15 @@ enum class Phase { hold, double_support, single_left, single_right, fallen };
 
 class Navigator {
  public:
+  /// Robot and world must outlive the object.
   /// @param start posture that the robot stands in, at rest, in the world
-  Navigator(const RobotModel& robot, const Posture& start, Gait gait = Gait::flow);
+  /// @param source where the state of the robot comes from
+  /// @throws InputError the robot has not the sensors for it
+  Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait = Gait::flow,
+            StateSource source = StateSource::sensors);
 
-  /// One period of the robot: where its joints shall be when the tick ends. Never waits, never throws once the
-  /// measurements have a root pose.
+  /// One period of the robot: where its joints shall be when the tick ends. Never waits; throws only if a
+  /// perfect state is to be used and the measurement has none.
   const JointTarget& tick(const Measurement& measurement, const Command& command);
 
   /// The planning task that is due now, if one is: when the motion is about to end; on its way, where it can go on or
@@ -110,17 +123,21 @@ class Navigator {
   /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
   void offer(PlanningResult result);
 
-  /// Clears the plan after a fall: nothing planned may ever be executed then.
+  /// Clears the plan, as after a fall: nothing planned may be executed then, and the motors go soft.
   void fall();
 
   [[nodiscard]] long now() const { return tick_; }
   [[nodiscard]] Phase phase() const;
+  [[nodiscard]] Guard guard() const { return guard_; }
+  /// Whether the DCM is so far off that nothing new is begun until it is back.
+  [[nodiscard]] bool disturbed() const { return disturbed_; }
   /// Number of the segment under way, counted from 0; −1 in hold.
   [[nodiscard]] long segment() const { return motion_ ? committed_ - 1 : -1; }
   [[nodiscard]] long committed() const { return committed_; }
   /// The planned sample of this tick, in the planning frame.
   [[nodiscard]] const MotionSample& sample() const { return *sample_; }
   [[nodiscard]] const State& state() const { return *state_; }
+  [[nodiscard]] const Odometry& odometry() const { return odometry_; }
   [[nodiscard]] const Correction& correction() const { return stabiliser_.correction(); }
   [[nodiscard]] const Pose& anchor() const { return anchor_; }
   /// The committed motion, or null in hold.
@@ -136,6 +153,14 @@ class Navigator {
   [[nodiscard]] std::size_t history() const { return history_.size(); }
 
  private:
+  /// Looks at the state: whether the robot stands, falls, or is lifted.
+  void watch();
+  /// Whether it stands on both feet, still, so that it could be armed.
+  [[nodiscard]] bool stands_upright() const;
+  /// Whether its COM is where it may rest.
+  [[nodiscard]] bool supported() const;
+  /// Begins anew from where the robot stands, after a fall.
+  void begin_anew();
   void end_of_motion();
   void take_over();
   /// Swaps the motion in: what it replaces is left in `result`.
@@ -164,6 +189,7 @@ class Navigator {
 
   const RobotModel* robot_;
   Gait gait_;
+  Odometry odometry_;
   Estimator estimator_;
   Stabiliser stabiliser_;
 
@@ -177,7 +203,9 @@ class Navigator {
   const MotionSample* sample_ = nullptr;  ///< planned, at this tick
   const State* state_ = nullptr;
   JointTarget soft_;  ///< after a fall: nothing is asked of the motors
-  bool fallen_ = false;
+  Guard guard_ = Guard::armed;
+  int guard_ticks_ = 0;     ///< for which what would change it has been so
+  bool disturbed_ = false;  ///< the DCM is too far from where it should be for anything new
 
   long committed_ = 0;                     ///< motions so far
   Side last_step_ = Side::right;           ///< before the motion under way

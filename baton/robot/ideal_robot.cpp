@@ -4,6 +4,8 @@ namespace baton {
 
 IdealRobot::IdealRobot(const RobotModel& robot, const Posture& start, double period)
     : robot_(&robot), period_(period), kinematics_(robot), sole_(start.sole) {
+  sensor_ = robot.imu_in_root().value_or(Pose{});
+  torque_ = VecX::Zero(robot.nv() - 6);
   truth_.q = start.q;
   truth_.dq = VecX::Zero(robot.nv());
   measure_ground(truth_.dq);
@@ -17,9 +19,10 @@ Measurement IdealRobot::read() {
   kinematics_.set(truth_.q);
   const Pose root = kinematics_.body(1);
   m.root = RootMeasurement{root, truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
-  m.imu.attitude = root.R;
-  m.imu.rate = m.root->rate;
-  m.imu.acceleration = root.R.transpose() * Vec3(0, 0, kGravity);
+  m.torque = torque_;
+  m.imu.attitude = root.R * sensor_.R;
+  m.imu.rate = sensor_.R.transpose() * m.root->rate;
+  m.imu.acceleration = m.imu.attitude.transpose() * (acceleration_ + Vec3(0, 0, kGravity));
   for (const Side side : kSides) {
     const Pose to_sole = sole_[side].inverse();
     m.sole[side] = {to_sole.R * truth_.sole[side].force, to_sole.R * truth_.sole[side].moment_about(sole_[side].p)};
@@ -51,7 +54,15 @@ void IdealRobot::write(const JointTarget& target) {
     sole_[side] = kinematics_.sole(side);
 
   truth_.t += period_;
+  torque_ = target.tau;
+  const Vec3 velocity = sensor_velocity(root.R);
+  acceleration_ = (velocity - velocity_) / period_;
+  velocity_ = velocity;
   measure_ground((truth_.dq - dq_before) / period_);
+}
+
+Vec3 IdealRobot::sensor_velocity(const Mat3& root) const {
+  return truth_.dq.head<3>() + root * truth_.dq.segment<3>(3).cross(sensor_.p);
 }
 
 void IdealRobot::measure_ground(const VecX& ddq) {

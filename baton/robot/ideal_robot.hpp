@@ -17,6 +17,8 @@ class IdealRobot : public TransparentRobot {
 
  private:
   void measure_ground(const VecX& ddq);
+  /// Of the inertial sensor, in the world, with the root's attitude [m/s].
+  [[nodiscard]] Vec3 sensor_velocity(const Mat3& root) const;
 
   const RobotModel* robot_;
   double period_;
@@ -25,6 +27,10 @@ class IdealRobot : public TransparentRobot {
   BySide<Pose> sole_;          ///< where the soles are
   BySide<bool> contact_{true, true};
   Truth truth_;
+  Pose sensor_;                       ///< the inertial sensor in the root's frame
+  Vec3 velocity_ = Vec3::Zero();      ///< of the sensor, a tick ago [m/s]
+  Vec3 acceleration_ = Vec3::Zero();  ///< its mean over the last tick [m/s²]
+  VecX torque_;
 };
 
 }  // namespace baton

@@ -25,8 +25,10 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
     : robot_(&robot),
       period_(period),
       parameters_(parameters),
-      text_(world.compose(robot, parameters.timestep)),
-      kinematics_(robot) {
+      text_(with_ground(world.compose(robot, parameters.timestep), parameters.plant, name_of(robot.mj(), mjOBJ_BODY, 1),
+                        0.5 * (start.sole.left.p + start.sole.right.p))),
+      kinematics_(robot),
+      random_(parameters.plant.seed) {
   const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
   const double steps = period_ / parameters_.timestep;
   if (!(steps > 0.5) || std::abs(steps - std::round(steps)) > 1e-6) {
@@ -66,44 +68,81 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   }
   imu_site_ = robot.profile().imu.empty() ? -1 : find_id(m, mjOBJ_SITE, robot.profile().imu, owner);
 
+  perturb();
+  data_ = DataPtr(mj_makeData(&m));
+  mj_setConst(&m, data_.get());
+  // On tilted ground it is put down tilted.
+  const Vec3 at = 0.5 * (start.sole.left.p + start.sole.right.p);
+  const Mat3 tilt = rotation_exp(parameters_.plant.tilt);
+  truth_.q = start.q;
+  truth_.q.head<3>() = at + tilt * (start.q.head<3>() - at);
+  const Eigen::Quaterniond attitude =
+      Eigen::Quaterniond(tilt) * Eigen::Quaterniond(start.q[3], start.q[4], start.q[5], start.q[6]);
+  truth_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  truth_.dq = VecX::Zero(robot.nv());
+  for (int i = 0; i < 7; ++i)
+    data_->qpos[root_qpos_ + i] = truth_.q[i];
+  for (std::size_t j = 0; j < qpos_.size(); ++j)
+    data_->qpos[qpos_[j]] = start.q[7 + static_cast<Eigen::Index>(j)];
+  if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
+  encoder_error_ = torque_ = VecX::Zero(robot.nv() - 6);
+  mj_forward(&m, data_.get());
+  observe();
+}
+
+void SimulatedRobot::perturb() {
   const Plant& plant = parameters_.plant;
-  for (int g = 0; g < m.ngeom; ++g)
-    m.geom_friction[3 * g] *= plant.friction;
+  mjModel& m = *model_;
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (sole_of_geom_[static_cast<std::size_t>(g)] < 0) continue;
+    if (plant.friction) m.geom_friction[3 * g] = *plant.friction;
+    if (plant.solref) m.geom_solref[2 * g] = *plant.solref;
+  }
   for (int b = 0; b < m.nbody; ++b) {
     m.body_mass[b] *= plant.mass;
     for (int axis = 0; axis < 3; ++axis)
       m.body_inertia[3 * b + axis] *= plant.mass;
   }
   for (int axis = 0; axis < 3; ++axis)
-    m.body_ipos[3 * root + axis] += plant.com_offset[axis];
+    m.body_ipos[3 * root_body_ + axis] += plant.com_offset[axis];
+}
 
-  data_ = DataPtr(mj_makeData(&m));
-  if (plant.mass != 1.0 || !plant.com_offset.isZero(0.0)) mj_setConst(&m, data_.get());
-  for (int i = 0; i < 7; ++i)
-    data_->qpos[root_qpos_ + i] = start.q[i];
-  for (std::size_t j = 0; j < qpos_.size(); ++j)
-    data_->qpos[qpos_[j]] = start.q[7 + static_cast<Eigen::Index>(j)];
-  if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
-  truth_.q = start.q;
-  truth_.dq = VecX::Zero(robot.nv());
-  mj_forward(&m, data_.get());
-  observe();
+double SimulatedRobot::servo(std::size_t j, const JointTarget& target, double to_end) {
+  const auto i = static_cast<Eigen::Index>(j);
+  const Joint& joint = robot_->joints()[j];
+  const Plant& plant = parameters_.plant;
+  const double kp = plant.kp * joint.gains.kp;
+  const double q = data_->qpos[qpos_[j]] + (plant.encoder_noise > 0.0 ? plant.encoder_noise * noise() : 0.0);
+  const double angle = target.q[i] + (i < target.shift.size() ? target.shift[i] : 0.0) - to_end * target.dq[i];
+  const double brake = joint.gains.kd * (target.dq[i] - data_->qvel[dof_[j]]);
+  switch (robot_->profile().drive) {
+    case Drive::torque:
+      return target.tau[i] + kp * (angle - q) + brake;
+    case Drive::pd:  // the feed-forward torque is folded into the angle, by the stiffness that the program believes in
+      return kp * (angle + target.tau[i] / joint.gains.kp - q) + brake;
+    case Drive::stiff:
+      return kp * (angle - q) + brake;
+  }
+  return 0.0;
 }
 
 void SimulatedRobot::write(const JointTarget& target) {
   const int steps = static_cast<int>(std::lround(period_ / parameters_.timestep));
-  const double gain = parameters_.plant.gains;
+  const Plant& plant = parameters_.plant;
+  sent_.push_back({data_->time + plant.delay, target});
+  torque_.setZero();
   for (int step = 0; step < steps; ++step) {
-    // The drive: a servo on the angle, with the feed-forward torque folded into it, q + τ/kp.
-    const double to_end = (steps - step) * parameters_.timestep;
+    const double now = data_->time + 1e-9;
+    while (sent_.size() > 1 && sent_[1].arrives <= now)
+      sent_.pop_front();
+    const double to_end = sent_.front().arrives + period_ - data_->time;
     for (std::size_t j = 0; j < qpos_.size(); ++j) {
-      const auto i = static_cast<Eigen::Index>(j);
-      const Joint& joint = robot_->joints()[j];
-      const double folded = target.q[i] + target.tau[i] / joint.gains.kp - to_end * target.dq[i];
-      const double torque = gain * (joint.gains.kp * (folded - data_->qpos[qpos_[j]]) +
-                                    joint.gains.kd * (target.dq[i] - data_->qvel[dof_[j]]));
-      data_->ctrl[motor_[j]] = std::clamp(torque, -joint.motor.stall, joint.motor.stall);
+      const double most = plant.strength * robot_->joints()[j].motor.stall;
+      const double torque = std::clamp(plant.gain * servo(j, sent_.front().target, to_end), -most, most);
+      data_->ctrl[motor_[j]] = torque;
+      torque_[static_cast<Eigen::Index>(j)] += torque / steps;
     }
+    Eigen::Map<Vec3>(data_->xfrc_applied + 6 * root_body_) = plant.force(data_->time);
     mj_step(model_.get(), data_.get());
   }
   observe();
@@ -143,6 +182,7 @@ void SimulatedRobot::observe() {
   }
   for (const Side side : kSides)
     truth_.touch[side] = truth_.sole[side].force.z() > kTouch;
+  sense();
 }
 
 void SimulatedRobot::check_fall() {
@@ -186,30 +226,44 @@ void SimulatedRobot::push(const Vec3& impulse) {
     data_->qvel[root_dof_ + axis] += impulse[axis] / mass;
 }
 
-Measurement SimulatedRobot::read() {
-  Measurement measurement;
-  measurement.t = truth_.t;
-  measurement.q = truth_.q.tail(robot_->nv() - 6);
-  measurement.dq = truth_.dq.tail(robot_->nv() - 6);
+void SimulatedRobot::sense() {
+  const Plant& plant = parameters_.plant;
+  reading_.t = truth_.t;
+  reading_.q = truth_.q.tail(robot_->nv() - 6);
+  reading_.dq = truth_.dq.tail(robot_->nv() - 6);
+  reading_.torque = torque_;
+  if (plant.encoder_noise > 0.0) {
+    for (Eigen::Index j = 0; j < reading_.q.size(); ++j) {
+      const double error = plant.encoder_noise * noise();
+      reading_.q[j] += error;
+      reading_.dq[j] += (error - encoder_error_[j]) / period_;  // speeds are differences of angles
+      encoder_error_[j] = error;
+    }
+  }
   kinematics_.set(truth_.q);
-  measurement.root = RootMeasurement{kinematics_.body(1), truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
+  reading_.root = RootMeasurement{kinematics_.body(1), truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
   if (imu_site_ >= 0) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> attitude(data_->site_xmat + 9 * imu_site_);
-    measurement.imu.attitude = attitude;
+    reading_.imu.attitude = rotation_exp(plant.imu_bias) * attitude;
     std::array<mjtNum, 6> velocity{};
     mj_objectVelocity(model_.get(), data_.get(), mjOBJ_SITE, imu_site_, velocity.data(), 1);
-    measurement.imu.rate = {velocity[0], velocity[1], velocity[2]};
-    mj_rnePostConstraint(model_.get(), data_.get());
-    std::array<mjtNum, 6> acceleration{};
-    mj_objectAcceleration(model_.get(), data_.get(), mjOBJ_SITE, imu_site_, acceleration.data(), 1);
-    measurement.imu.acceleration = {acceleration[3], acceleration[4], acceleration[5]};
+    reading_.imu.rate = {velocity[0], velocity[1], velocity[2]};
+    // The sensor integrates: what it tells is the mean over the tick.
+    const Vec3 moves = attitude * Vec3(velocity[3], velocity[4], velocity[5]);
+    const Vec3 acceleration = Vec3(0, 0, kGravity) + (moves - imu_velocity_) / period_;
+    reading_.imu.acceleration = attitude.transpose() * acceleration;
+    imu_velocity_ = moves;
   }
   for (const Side side : kSides) {
     const Pose to_sole = kinematics_.sole(side).inverse();
-    measurement.sole[side] = {to_sole.R * truth_.sole[side].force,
-                              to_sole.R * truth_.sole[side].moment_about(kinematics_.sole(side).p)};
+    Wrench& sole = reading_.sole[side];
+    sole = {to_sole.R * truth_.sole[side].force, to_sole.R * truth_.sole[side].moment_about(kinematics_.sole(side).p)};
+    if (plant.force_noise == 0.0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      sole.force[axis] *= 1.0 + plant.force_noise * noise();
+      sole.moment[axis] *= 1.0 + plant.force_noise * noise();
+    }
   }
-  return measurement;
 }
 
 }  // namespace baton

@@ -1,18 +1,14 @@
 /// A robot in MuJoCo physics: motors with servos and torque-speed limits, honest contact, sensors.
 #pragma once
 
+#include <deque>
+#include <random>
+
 #include "baton/model/world.hpp"
+#include "baton/robot/plant.hpp"
 #include "baton/robot/robot.hpp"
 
 namespace baton {
-
-/// Perturbations of the plant, so that it is not the model.
-struct Plant {
-  double friction = 1.0;           ///< factor on the soles' and ground's sliding friction
-  double mass = 1.0;               ///< factor on all masses and inertias
-  Vec3 com_offset = Vec3::Zero();  ///< of the trunk's COM [m]
-  double gains = 1.0;              ///< factor on kp and kd
-};
 
 class SimulatedRobot : public TransparentRobot {
  public:
@@ -28,7 +24,7 @@ class SimulatedRobot : public TransparentRobot {
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
                  Parameters parameters);
 
-  [[nodiscard]] Measurement read() override;
+  [[nodiscard]] Measurement read() override { return reading_; }
   void write(const JointTarget& target) override;
   [[nodiscard]] const Truth& truth() const override { return truth_; }
 
@@ -40,7 +36,12 @@ class SimulatedRobot : public TransparentRobot {
   void push(const Vec3& impulse);
 
  private:
+  void perturb();
+  /// Torque that the servo of a joint asks of its motor, `to_end` before the targets are due.
+  [[nodiscard]] double servo(std::size_t joint, const JointTarget& target, double to_end);
+  [[nodiscard]] double noise() { return normal_(random_); }
   void observe();
+  void sense();
   void check_fall();
 
   const RobotModel* robot_;
@@ -60,7 +61,18 @@ class SimulatedRobot : public TransparentRobot {
   std::vector<char> robot_geom_;   ///< belongs to the robot, by geom
   Kinematics kinematics_;
   Truth truth_;
-  Vec3 acceleration_ = Vec3::Zero();
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  /// A target on its way to the servos.
+  struct Sent {
+    double arrives = 0.0;  ///< [s]
+    JointTarget target;
+  };
+  std::deque<Sent> sent_;
+  VecX encoder_error_;                ///< of the last reading
+  VecX torque_;                       ///< of the motors, mean over the last tick
+  Vec3 imu_velocity_ = Vec3::Zero();  ///< a tick ago [m/s]
+  Measurement reading_;               ///< of the sensors, now
 };
 
 }  // namespace baton

@@ -11,7 +11,7 @@ int main() {
   const RobotModel robot = RobotModel::load(SHARE "/robots/mighty/profile.toml");
   const World world = World::load(SHARE "/worlds/flat.xml");
   const Posture start = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  Navigator navigator(robot, start);
+  Navigator navigator(robot, world, start, Gait::flow, StateSource::perfect);
   Planning planning(robot, world);
 
   const double h = 0.001;  // of physics [s]
@@ -25,7 +25,7 @@ int main() {
     Command stick;  // the trunk is guided
     stick.axes[0] = body->time < 8.0 ? 1.0 : 0.0;
 
-    Measurement sensed;  // the root's pose comes from the simulator: there is no estimator yet
+    Measurement sensed;  // the root's pose comes from the simulator: a robot would have an IMU instead
     sensed.q = Eigen::Map<const VecX>(body->qpos + 7, robot.nq() - 7);
     sensed.dq = Eigen::Map<const VecX>(body->qvel + 6, robot.nv() - 6);
     const mjtNum* q = body->qpos;
@@ -38,8 +38,9 @@ int main() {
       for (int a = 0; a < model->nu; ++a) {
         const int j = model->actuator_trnid[2 * a] - 1;  // joint 0 is the free one
         const Joint& joint = robot.joints()[j];
-        const double torque = target.tau[j] + joint.gains.kp * (target.q[j] - left * target.dq[j] - body->qpos[7 + j]) +
-                              joint.gains.kd * (target.dq[j] - body->qvel[6 + j]);
+        const double torque =
+            target.tau[j] + joint.gains.kp * (target.q[j] + target.shift[j] - left * target.dq[j] - body->qpos[7 + j]) +
+            joint.gains.kd * (target.dq[j] - body->qvel[6 + j]);
         body->ctrl[a] = std::clamp(torque, -joint.motor.stall, joint.motor.stall);
       }
       mj_step(model.get(), body.get());

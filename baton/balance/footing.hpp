@@ -1,0 +1,56 @@
+/// Where the soles really are and how they are inclined, against the plan: followed by the legs, so that the trunk
+/// stays where it was planned (docs/balance.md).
+#pragma once
+
+#include "baton/balance/state.hpp"
+
+namespace baton {
+
+class Footing {
+ public:
+  /// The robot must outlive the object.
+  explicit Footing(const RobotModel& robot);
+
+  /// Brings the offsets up to date, once a tick.
+  /// @param now planned sample at the time of the measurement
+  /// @param wanted what each sole should carry then, axes of the planning frame, moment about its centre
+  void follow(const MotionSample& now, const State& state, const BySide<Wrench>& wanted);
+
+  /// Adds to the joint angles what takes the soles there; within the joints' ranges.
+  /// @param kinematics set to the planned configuration
+  /// @param q joint angles (n)
+  void apply(const Kinematics& kinematics, VecX& q);
+
+  /// Displacement of a sole from its planned pose, in the planning frame.
+  struct Offset {
+    Vec3 p = Vec3::Zero();     ///< [m]
+    Vec3 turn = Vec3::Zero();  ///< rotation vector, horizontal [rad]
+  };
+  [[nodiscard]] const BySide<Offset>& offset() const { return offset_; }
+
+ private:
+  /// Rates are [1/s].
+  struct Rates {
+    double height = 15.0;       ///< at which the height of a sole that carries is followed
+    double early = 30.0;        ///< the same, if it should still be in the air
+    double place = 8.0;         ///< its horizontal place
+    double turn = 8.0;          ///< its inclination
+    double yield_turn = 8.0;    ///< [rad/s] by a moment too much of weight × COM height
+    double yield_height = 0.2;  ///< [COM heights/s] by a force too much of the weight
+    double band_turn = 0.04;    ///< pressure that is off by less is not yielded to [COM height]
+    double band_height = 0.1;   ///< nor is force [weight]
+  };
+  [[nodiscard]] static Rates rates_for(Drive drive);
+  [[nodiscard]] double share_of(double rate) const { return std::min(1.0, period_ * rate); }
+  void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
+
+  const RobotModel* robot_;
+  Rates rates_;
+  double period_;
+  double height_;  ///< of the COM, nominal [m]
+  double weight_;  ///< [N]
+  JacobianRows rows_;
+  BySide<Offset> offset_;
+};
+
+}  // namespace baton

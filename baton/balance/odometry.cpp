@@ -1,0 +1,180 @@
+#include "baton/balance/odometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "baton/model/error.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kTouches = 0.05;   ///< share of the weight from which a sole counts as touching
+constexpr double kLeaves = 0.025;   ///< share below which it does no more
+constexpr double kTrust = 20.0;     ///< rate at which the velocity follows the soles that stand [1/s]
+constexpr double kSmooth = 40.0;    ///< rate at which the joints' speeds follow the measured ones [1/s]
+constexpr double kRelax = 10.0;     ///< rate at which a foothold follows where a sole with no load is [1/s]
+constexpr double kMap = 1.0;        ///< rate at which heights follow those of the ground [1/s]
+constexpr double kOnTheMap = 0.05;  ///< farther from the known ground a sole stands on something else [COM height]
+
+}  // namespace
+
+Odometry::Odometry(const RobotModel& robot, const World& world, StateSource source, const Posture& start)
+    : robot_(&robot),
+      world_(&world),
+      source_(source),
+      period_(robot.profile().tick.period),
+      kinematics_(robot),
+      jacobian_(6, robot.nv()),
+      q_(start.q),
+      dq_(VecX::Zero(robot.nv())),
+      ddq_(VecX::Zero(robot.nv())),
+      force_(VecX::Zero(robot.nv())),
+      speed_error_(VecX::Zero(robot.nv() - 6)),
+      place_(start.q.head<3>()) {
+  if (source != StateSource::perfect && !robot.imu_in_root()) {
+    throw InputError(fmt::format("robot {}: --state {} needs an IMU on the body with the free joint: parts.imu",
+                                 robot.profile().name, to_string(source)));
+  }
+  for (const Side side : kSides)
+    foothold_[side] = start.sole[side].p;
+  completed_.q = completed_.dq = completed_.torque = speed_error_;
+}
+
+const Measurement& Odometry::update(const Measurement& measurement, const MotionSample& planned) {
+  completed_ = measurement;
+  if (source_ == StateSource::perfect) {
+    for (const Side side : kSides)
+      load_[side] = measurement.sole[side].force.z();
+    note_touch();
+    return completed_;
+  }
+  const Pose& sensor = *robot_->imu_in_root();
+  if (first_) {
+    const Mat3 start = Eigen::Quaterniond(q_[3], q_[4], q_[5], q_[6]).toRotationMatrix();
+    yaw_ = rotation_z(yaw_of(start) - yaw_of(measurement.imu.attitude * sensor.R.transpose()));
+  }
+  RootMeasurement& root = completed_.root.emplace();
+  root.pose.R = yaw_ * measurement.imu.attitude * sensor.R.transpose();
+  root.rate = sensor.R * measurement.imu.rate;
+
+  // Acceleration of the root, from that of the sensor.
+  const Vec3 rate = root.pose.R * root.rate;
+  const Vec3 drate = first_ ? Vec3(Vec3::Zero()) : Vec3((rate - rate_before_) / period_);
+  const Vec3 lever = root.pose.R * sensor.p;
+  const Vec3 ddroot = root.pose.R * sensor.R * measurement.imu.acceleration - Vec3(0, 0, kGravity) -
+                      drate.cross(lever) - rate.cross(rate.cross(lever));
+  rate_before_ = rate;
+
+  smooth_speeds(measurement, planned);
+  const Eigen::Quaterniond attitude(root.pose.R);
+  q_.head<3>().setZero();
+  q_.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  q_.tail(robot_->nv() - 6) = measurement.q;
+  dq_.segment<3>(3) = root.rate;
+  dq_.tail(robot_->nv() - 6) = completed_.dq;
+  kinematics_.set(q_);
+  measure_soles(measurement, planned, ddroot, drate);
+  note_touch();
+
+  // Where the soles that stand say that the root is, and how fast it moves.
+  BySide<Vec3> from_root, moves;
+  for (const Side side : kSides) {
+    from_root[side] = kinematics_.sole(side).p;
+    kinematics_.point_jacobian(robot_->foot_body(side), from_root[side], jacobian_.topRows(3));
+    moves[side].noalias() = jacobian_.topRows(3) * dq_;
+  }
+  velocity_ += period_ * ddroot;
+  double total = 0.0;
+  for (const Side side : kSides)
+    total += touch_[side] ? load_[side] : 0.0;
+  if (total > 0.0) {
+    Vec3 place = Vec3::Zero();
+    Vec3 velocity = Vec3::Zero();
+    for (const Side side : kSides) {
+      const double share = touch_[side] ? load_[side] / total : 0.0;
+      place += share * (foothold_[side] - from_root[side]);
+      velocity -= share * moves[side];
+    }
+    place_ = place;
+    velocity_ += first_ ? Vec3(velocity - velocity_) : Vec3(period_ * kTrust * (velocity - velocity_));
+  } else {
+    place_ += period_ * velocity_;
+  }
+  const Side stance = load_.left >= load_.right ? Side::left : Side::right;
+  slip_ = total > 0.0 ? (velocity_ + moves[stance]).head<2>().norm() : 0.0;
+  for (const Side side : kSides) {
+    const double share = touch_[side] ? load_[side] / total : 0.0;
+    const double follows = touch_[side] ? (1.0 - share) * std::min(1.0, period_ * kRelax) : 1.0;
+    foothold_[side] += follows * (place_ + from_root[side] - foothold_[side]);
+  }
+  follow_map(planned);
+  root.pose.p = place_;
+  root.velocity = velocity_;
+  first_ = false;
+  return completed_;
+}
+
+void Odometry::smooth_speeds(const Measurement& measurement, const MotionSample& planned) {
+  const auto as_planned = planned.dq.tail(robot_->nv() - 6);
+  const double follows = std::min(1.0, period_ * kSmooth);
+  speed_error_ += follows * (measurement.dq - as_planned - speed_error_);
+  completed_.dq = as_planned + speed_error_;
+}
+
+void Odometry::measure_soles(const Measurement& measurement, const MotionSample& planned, const Vec3& ddroot,
+                             const Vec3& drate) {
+  if (source_ == StateSource::torques) {
+    // Of each leg: what inverse dynamics asks of its joints and the motors do not give comes from the ground.
+    ddq_.head<3>() = ddroot;
+    ddq_.segment<3>(3) = completed_.root->pose.R.transpose() * drate;
+    ddq_.tail(robot_->nv() - 6) = planned.ddq.tail(robot_->nv() - 6);
+    kinematics_.inverse_dynamics(q_, dq_, ddq_, force_);
+    for (const Side side : kSides) {
+      const Pose sole = kinematics_.sole(side);
+      kinematics_.point_jacobian(robot_->foot_body(side), sole.p, jacobian_.topRows(3));
+      kinematics_.rotation_jacobian(robot_->foot_body(side), jacobian_.bottomRows(3));
+      Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
+      Vec6 asked = Vec6::Zero();
+      for (const int j : robot_->leg(side)) {
+        const Vec6 column = jacobian_.col(6 + j);
+        const double damping = robot_->joints()[static_cast<std::size_t>(j)].motor.damping;
+        gram += column * column.transpose();
+        asked += column * (force_[6 + j] + damping * dq_[6 + j] - measurement.torque[j]);
+      }
+      const Vec6 wrench = gram.ldlt().solve(asked);
+      if (!wrench.allFinite()) continue;
+      completed_.sole[side] = {sole.R.transpose() * wrench.head<3>(), sole.R.transpose() * wrench.tail<3>()};
+    }
+  }
+  for (const Side side : kSides)
+    load_[side] = (kinematics_.sole(side).R * completed_.sole[side].force).z();
+}
+
+void Odometry::note_touch() {
+  const double weight = robot_->mass() * kGravity;
+  for (const Side side : kSides)
+    touch_[side] = load_[side] > (touch_[side] ? kLeaves : kTouches) * weight;
+}
+
+void Odometry::follow_map(const MotionSample& planned) {
+  double off = 0.0;
+  double stand = 0.0;
+  for (const Side side : kSides) {
+    if (!planned.contact[side] || !touch_[side]) continue;
+    const std::optional<GroundPoint> ground = world_->ground(foothold_[side].head<2>());
+    if (!ground) continue;
+    const double gap = ground->height - foothold_[side].z();
+    if (std::abs(gap) > kOnTheMap * robot_->profile().stance.com_height) continue;
+    off += load_[side] * gap;
+    stand += load_[side];
+  }
+  if (stand <= 0.0) return;
+  const double rise = period_ * kMap * off / stand;
+  place_.z() += rise;
+  for (const Side side : kSides)
+    foothold_[side].z() += rise;
+}
+
+}  // namespace baton
