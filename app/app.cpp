@@ -33,6 +33,22 @@ void add_modes(CLI::App& command, ModeOptions& modes) {
       ->check(CLI::IsMember({"discard", "shrink"}));
 }
 
+void add_physics(CLI::App& command, PhysicsOptions& physics) {
+  command
+      .add_option("--state", physics.state,
+                  "Where the robot's state comes from: sensors (encoders, IMU, forces under the soles), torques (of "
+                  "the motors, instead of those forces), perfect")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"sensors", "torques", "perfect"}));
+  command.add_option("--drive", physics.drive, "What the servos take, instead of what the profile says")
+      ->check(CLI::IsMember({"torque", "pd", "stiff"}));
+  command.add_option("--scenario", physics.scenario,
+                     "Physics that is not the model, by --seed (docs/balance.md lists them)");
+  command.add_option("--times", physics.times, "Factor on how far it is from the model")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
+}
+
 void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
       ->capture_default_str();
@@ -42,8 +58,9 @@ void add_drive(CLI::App& command, DriveOptions& o) {
       ->check(CLI::IsMember({"sim", "ideal"}));
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
   add_modes(command, o.modes);
+  add_physics(command, o.physics);
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")->check(CLI::PositiveNumber);
-  command.add_option("--seed", o.seed, "Recorded in the report")->capture_default_str();
+  command.add_option("--seed", o.seed, "Of the scenario; recorded in the report")->capture_default_str();
   command.add_flag("--headless", o.headless, "No page");
   command.add_flag("--fast", o.fast, "Do not wait for the clock on the wall (needs --seconds; no page)");
   command.add_option("--port", o.port, "Port of the page; 0: any that is free")
@@ -58,6 +75,8 @@ void add_drive(CLI::App& command, DriveOptions& o) {
 void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--on", o.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
   add_modes(command, o.modes);
+  add_physics(command, o.physics);
+  command.add_option("--seeds", o.seeds, "Of a scenario, from --seed on: one episode each")->check(CLI::PositiveNumber);
   command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
       ->check(CLI::PositiveNumber);
   command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")->check(CLI::PositiveNumber);
@@ -67,11 +86,12 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--jobs", o.jobs, "Threads; the result does not depend on it")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
-  command.add_option("--episode", o.episode, "Simulated seconds from one fresh start to the next")
-      ->capture_default_str()
+  command
+      .add_option("--episode", o.episode,
+                  "Simulated seconds from one fresh start to the next; 120, or what a scenario takes")
       ->check(CLI::Range(0.1, 36000.0));
   command.add_flag("--resume", o.resume, "Go on where the report's run ended");
-  command.add_option("--report", o.report, "Write what came of it to this .json file")->required();
+  command.add_option("--report", o.report, "Write what came of it to this .json file; needed but with --scenario");
 }
 
 int parse_and_run(std::vector<std::string> args) {
@@ -140,6 +160,7 @@ int parse_and_run(std::vector<std::string> args) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   add_modes(*operate_command, operate_options.modes);
+  add_physics(*operate_command, operate_options.physics);
   operate_command->add_option("--report", operate_options.report, "Write the run in numbers to this .json file");
   operate_command->add_option("--trace", operate_options.trace, "Write every tick to this .csv file");
   operate_command->add_option("--script", operate_options.script, "Write what the operator did as a stick script");
@@ -167,7 +188,9 @@ int parse_and_run(std::vector<std::string> args) {
   if (reproduce_command->parsed()) return reproduce(reproduce_options);
   if (operate_command->parsed()) return operate(operate_options);
   if (replay_command->parsed()) return replay(replay_options);
-  if (soak_command->parsed()) return soak(soak_options);
+  if (soak_command->parsed()) {
+    return soak_options.physics.scenario ? soak_scenarios(soak_options) : soak(soak_options);
+  }
   return kDone;
 }
 

@@ -17,12 +17,21 @@ struct ModeOptions {
   std::string on_limit = "shrink";
 };
 
+/// What physics is like, beside the world.
+struct PhysicsOptions {
+  std::string state = "sensors";
+  std::optional<std::string> drive;     ///< instead of the profile's
+  std::optional<std::string> scenario;  ///< a plant that is not the model
+  double times = 1.0;                   ///< factor on how far it is from it
+};
+
 struct DriveOptions {
   std::string robot = "mighty";
   std::string world = "room";
   std::string on = "sim";
   std::string input = "auto";
   ModeOptions modes;
+  PhysicsOptions physics;
   std::optional<double> seconds;
   long seed = 0;
   bool headless = false;
@@ -63,6 +72,7 @@ struct OperateOptions {
   bool foot_by_foot = false;  ///< down the steps, in any gait
   double seconds = 240.0;     ///< the operator gives up then
   ModeOptions modes;
+  PhysicsOptions physics;
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> trace;
   std::optional<std::filesystem::path> script;  ///< writes the stick as a script
@@ -73,11 +83,13 @@ struct SoakOptions {
   std::string world = "flat";
   std::string on = "ideal";
   ModeOptions modes;
+  PhysicsOptions physics;
   std::optional<long> segments;
   std::optional<double> hours;  ///< simulated
   long seed = 0;
   int jobs = 1;
-  double episode = 120.0;  ///< simulated time from one fresh start to the next [s]
+  std::optional<long> seeds;      ///< of a scenario
+  std::optional<double> episode;  ///< simulated time from one fresh start to the next [s]
   bool resume = false;
   std::optional<std::filesystem::path> report;  ///< required
 };
@@ -94,5 +106,6 @@ int verify(const VerifyOptions& options);
 int reproduce(const ReproduceOptions& options);
 int operate(const OperateOptions& options);
 int soak(const SoakOptions& options);
+int soak_scenarios(const SoakOptions& options);
 
 }  // namespace baton::app

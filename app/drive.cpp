@@ -30,11 +30,11 @@ void say_what_leads_out(const Navigator& navigator) {
 
 int drive(const DriveOptions& o) {
   if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: without a clock only that ends the run");
-  const RobotModel robot = RobotModel::load(o.robot);
+  const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.world);
   Inputs inputs(o.input);
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt, {},
-                  modes_of(o.modes));
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt,
+                  parameters_of(o.physics, robot, o.seed), modes_of(o.modes), state_named(o.physics.state));
   Outputs outputs(robot, session, o.report, o.trace, o.save_model);
 
   if (o.record) {
@@ -45,7 +45,9 @@ int drive(const DriveOptions& o) {
                     {"seed", o.seed},
                     {"duration", o.modes.duration},
                     {"gait", o.modes.gait},
-                    {"on_limit", o.modes.on_limit}});
+                    {"on_limit", o.modes.on_limit},
+                    {"state", o.physics.state},
+                    {"drive", std::string(to_string(robot.profile().drive))}});
   }
   if (!o.fast) session.plan_on_a_thread();
 

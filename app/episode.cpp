@@ -26,17 +26,25 @@ Checker::Tolerances tolerances(Session::On on) {
   return tolerances;
 }
 
+SimulatedRobot::Parameters parameters(const RobotModel& robot, const Course& course, long index) {
+  SimulatedRobot::Parameters parameters;
+  const std::uint64_t seed = course.seed + static_cast<std::uint64_t>(index);
+  if (course.scenario != nullptr) parameters.plant = plant_of(*course.scenario, robot, seed, course.times);
+  return parameters;
+}
+
 /// One episode while it runs.
 class Run {
  public:
-  Run(const RobotModel& robot, const World& world, Session::On on, Modes modes, long index)
+  Run(const RobotModel& robot, const World& world, const Course& course, long index)
       : robot_(robot),
-        on_(on),
+        on_(course.on),
         index_(index),
-        session_(robot, world, on, std::nullopt, {}, modes),
-        checker_(robot, session_.model_text(), tolerances(on)),
+        scenario_(course.scenario != nullptr),
+        session_(robot, world, course.on, std::nullopt, parameters(robot, course, index), course.modes, course.state),
+        checker_(robot, session_.model_text(), tolerances(course.on)),
         report_(robot),
-        stuck_planning_(robot, world, {modes.duration, OnLimit::discard}) {
+        stuck_planning_(robot, world, {course.modes.duration, OnLimit::discard}) {
     session_.on_tick = [this](const TickRecord& record) { judge(record); };
     session_.on_plan = [this](const PlanRecord& record) {
       report_.add(record);
@@ -45,11 +53,9 @@ class Run {
     };
   }
 
-  void drive(std::uint64_t seed, long ticks, const std::atomic<bool>& stop) {
-    const double period = robot_.profile().tick.period;
-    Stick stick(seed, period);
+  void drive(const std::function<Command()>& stick, long ticks, bool back, const std::atomic<bool>& stop) {
     for (long k = 0; k < ticks && !stop && !session_.fallen(); ++k) {
-      const Command command = stick.next();
+      const Command command = stick();
       const bool deflected = Stick::deflected(command);
       tally_.deflected += deflected ? 1 : 0;
       note_letting_go(deflected);
@@ -57,7 +63,7 @@ class Run {
       look_whether_stuck();
     }
     if (!come_to_rest(stop)) return;
-    if (!session_.fallen() && !stop) {
+    if (back && !session_.fallen() && !stop) {
       test_whether_stuck();
       if (!go_back(stop)) return;
     }
@@ -87,7 +93,7 @@ class Run {
     summary["commands"]["given"].get_to(tally_.given);
     summary["commands"]["moved"].get_to(tally_.moved);
     tally_.travel = summary["travel_m"].get<double>();
-    return {tally_, ticks_, last_q_, back_};
+    return {tally_, summary, ticks_, last_q_, back_};
   }
 
  private:
@@ -153,6 +159,7 @@ class Run {
              navigator.sample().contact,
              navigator.phase() == Phase::hold,
              record.target.q};
+    if (scenario_) return;  // it is falls that count: the ground is not as planned
     for (const Checker::Violation& v : checker_.add(tick_))
       fail(std::string(Checker::kNames[static_cast<std::size_t>(v.kind)]), v.t, v.value, v.limit, v.where);
     if (!record.truth.q.allFinite() || !record.target.tau.allFinite()) fail("not_finite", record.t, 0.0, 0.0, "");
@@ -226,6 +233,7 @@ class Run {
   const RobotModel& robot_;
   Session::On on_;
   long index_;
+  bool scenario_;
   Session session_;
   Checker checker_;
   Report report_;
@@ -250,19 +258,32 @@ class Run {
 
 }  // namespace
 
-Episodes::Episodes(const RobotModel& robot, const World& world, Session::On on, Modes modes, std::uint64_t seed,
-                   double seconds)
-    : robot_(&robot),
-      world_(&world),
-      on_(on),
-      modes_(modes),
-      seed_(seed),
-      ticks_(std::max(1L, std::lround(seconds / robot.profile().tick.period))) {}
+long Episodes::ticks() const {
+  return std::max(1L, std::lround(course_.seconds / robot_->profile().tick.period));
+}
+
+std::function<Command()> Episodes::stick(long index) const {
+  const Driving driving = course_.scenario == nullptr ? Driving::random : course_.scenario->driving;
+  switch (driving) {
+    case Driving::random:
+      return [stick = Stick(mixed_seed(course_.seed, static_cast<std::uint64_t>(index)),
+                            robot_->profile().tick.period)]() mutable { return stick.next(); };
+    case Driving::stand:
+      return [] { return Command{}; };
+    case Driving::walk:
+      return [] {
+        Command forward;
+        forward.axes[0] = 1.0;
+        return forward;
+      };
+  }
+  return {};
+}
 
 EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
-  Run run(*robot_, *world_, on_, modes_, index);
+  Run run(*robot_, *world_, course_, index);
   try {
-    run.drive(mixed_seed(seed_, static_cast<std::uint64_t>(index)), ticks_, stop);
+    run.drive(stick(index), ticks(), course_.scenario == nullptr, stop);
   } catch (const std::exception& error) {
     run.fail("exception", run.t(), 0.0, 0.0, error.what());
   }
@@ -270,8 +291,7 @@ EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
 }
 
 std::string Episodes::script(long index, const EpisodeResult& result) const {
-  return stick_script(mixed_seed(seed_, static_cast<std::uint64_t>(index)), robot_->profile().tick.period, ticks_) +
-         result.back;
+  return stick_script(stick(index), robot_->profile().tick.period, ticks()) + result.back;
 }
 
 bool stuck(Planning& planning, Problem problem) {

@@ -3,26 +3,40 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 
 #include "app/checker.hpp"
+#include "app/scenario.hpp"
 #include "app/session.hpp"
 #include "app/stick.hpp"
 #include "app/tally.hpp"
 
 namespace baton::app {
 
+/// What the episodes of a run have in common.
+struct Course {
+  Session::On on = Session::On::ideal;
+  Modes modes{};
+  StateSource state = StateSource::sensors;
+  std::uint64_t seed = 0;
+  double seconds = 120.0;              ///< each is that long, and then until the robot rests, and a few motions back
+  const Scenario* scenario = nullptr;  ///< in physics: no way back then, but a plant for each
+  double times = 1.0;                  ///< factor on how far that is from the model
+};
+
 struct EpisodeResult {
-  Tally tally;       ///< of this episode
-  long ticks = 0;    ///< all of them: driven, let go, and on the way back
-  VecX q;            ///< configuration at the last of them
-  std::string back;  ///< what was pressed on the way back, as lines of a script
+  Tally tally;             ///< of this episode
+  nlohmann::json summary;  ///< as docs/report.md has it
+  long ticks = 0;          ///< all of them: driven, let go, and on the way back
+  VecX q;                  ///< configuration at the last of them
+  std::string back;        ///< what was pressed on the way back, as lines of a script
 };
 
 class Episodes {
  public:
-  /// @param seconds each is that long [s], and then until the robot rests, and a few motions back
-  Episodes(const RobotModel& robot, const World& world, Session::On on, Modes modes, std::uint64_t seed,
-           double seconds);
+  /// Robot and world must outlive the object.
+  Episodes(const RobotModel& robot, const World& world, const Course& course)
+      : robot_(&robot), world_(&world), course_(course) {}
 
   /// Drives one; for any number of threads at a time. Everything that goes wrong is in the result.
   /// @param stop ends it at the next tick; the result is of no use then
@@ -33,12 +47,12 @@ class Episodes {
   [[nodiscard]] std::string script(long index, const EpisodeResult& result) const;
 
  private:
+  [[nodiscard]] long ticks() const;
+  [[nodiscard]] std::function<Command()> stick(long index) const;
+
   const RobotModel* robot_;
   const World* world_;
-  Session::On on_;
-  Modes modes_;
-  std::uint64_t seed_;
-  long ticks_;
+  Course course_;
 };
 
 /// Whether no command at all, of many different ones and the way back, has a motion from there.

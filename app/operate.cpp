@@ -13,7 +13,7 @@
 namespace baton::app {
 
 int operate(const OperateOptions& o) {
-  const RobotModel robot = RobotModel::load(o.robot);
+  const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.task);
   const Vec3 door = world.site("door_B").p;
 
@@ -27,7 +27,8 @@ int operate(const OperateOptions& o) {
   }
   const Posture posture = stand(robot, start, robot.profile().stance.com_height);
 
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture, {}, modes_of(o.modes));
+  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture,
+                  parameters_of(o.physics, robot, o.seed), modes_of(o.modes), state_named(o.physics.state));
   Outputs outputs(robot, session, o.report, o.trace, std::nullopt);
   std::optional<std::ofstream> script = open_output(o.script, "--script");
   RoomOperator::Parameters parameters;

@@ -20,7 +20,7 @@ ModeOptions modes_in(const nlohmann::json& head) {
 int replay(const ReplayOptions& o) {
   RecordingReader recording(o.recording);
   const nlohmann::json& head = recording.head();
-  const RobotModel robot = RobotModel::load(head.value("robot", ""));
+  const RobotModel robot = load_robot(head.value("robot", ""), head.value("drive", ""));
   const World world = World::load(head.value("world", ""));
   ModeOptions options;
   try {
@@ -29,7 +29,8 @@ int replay(const ReplayOptions& o) {
     throw InputError(fmt::format("recording {}: {}", o.recording.string(), error.what()));
   }
   const Modes modes = modes_of(options);
-  Navigator navigator(robot, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait);
+  Navigator navigator(robot, world, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait,
+                      state_named(head.value("state", "")));
   Planning planning(robot, world, modes);
   std::optional<PlanningResult> answer;
   const auto differs = [&](const std::string& what) {

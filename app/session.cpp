@@ -1,8 +1,12 @@
 #include "app/session.hpp"
 
+#include <fmt/format.h>
+
 #include <ctime>
 
+#include "app/scenario.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/model/error.hpp"
 #include "baton/robot/ideal_robot.hpp"
 
 namespace baton::app {
@@ -10,6 +14,44 @@ namespace baton::app {
 Modes modes_of(const ModeOptions& o) {
   return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
           o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink, o.gait == "flow" ? Gait::flow : Gait::stop};
+}
+
+RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive) {
+  RobotModel robot = RobotModel::load(name_or_file);
+  return drive ? with_drive(robot, drive_named(*drive, "--drive")) : std::move(robot);
+}
+
+RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file) {
+  RobotModel robot = load_robot(name_or_file, options.drive);
+  if (!options.scenario) return robot;
+  const Drive drive = drive_of(scenario_named(*options.scenario), robot);
+  return drive == robot.profile().drive ? std::move(robot) : with_drive(robot, drive);
+}
+
+SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, long seed) {
+  SimulatedRobot::Parameters parameters;
+  if (options.scenario) {
+    parameters.plant =
+        plant_of(scenario_named(*options.scenario), robot, static_cast<std::uint64_t>(seed), options.times);
+  }
+  return parameters;
+}
+
+RobotModel with_drive(const RobotModel& robot, Drive drive) {
+  Profile profile = robot.profile();
+  if (drive == Drive::stiff && profile.drive != Drive::stiff) {
+    for (auto& [name, gains] : profile.gains)
+      gains.kp *= kStiff;
+  }
+  profile.drive = drive;
+  return RobotModel(std::move(profile));
+}
+
+StateSource state_named(const std::string& name) {
+  for (const StateSource source : {StateSource::sensors, StateSource::torques, StateSource::perfect}) {
+    if (name == to_string(source)) return source;
+  }
+  throw InputError(fmt::format("--state {}: should be sensors, torques or perfect", name));
 }
 
 double cpu_us() {
@@ -23,11 +65,11 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 Session::Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start,
-                 SimulatedRobot::Parameters parameters, Modes modes)
+                 SimulatedRobot::Parameters parameters, Modes modes, StateSource state)
     : robot_(&robot),
       world_(&world),
       start_(start ? *start : stand(robot, world.site("start"), robot.profile().stance.com_height)),
-      navigator_(robot, start_, modes.gait),
+      navigator_(robot, world, start_, modes.gait, state),
       modes_(modes),
       planning_(robot, world, modes) {
   const double period = robot.profile().tick.period;

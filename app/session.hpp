@@ -19,6 +19,21 @@ namespace baton::app {
 /// The modes that options name.
 [[nodiscard]] Modes modes_of(const ModeOptions& options);
 
+/// The robot, with another kind of drive than its profile's if one is named. A stiff drive put in the place of another
+/// has servos so much firmer: kStiff.
+/// @throws InputError no such robot or drive
+[[nodiscard]] RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive);
+/// The robot with the drive that options or their scenario name.
+[[nodiscard]] RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file);
+/// The plant that options name.
+[[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
+                                                       long seed);
+[[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
+inline constexpr double kStiff = 8.0;
+
+/// @throws InputError no such state
+[[nodiscard]] StateSource state_named(const std::string& name);
+
 /// Thread CPU time [µs].
 [[nodiscard]] double cpu_us();
 
@@ -32,7 +47,7 @@ class Session {
   /// @param start posture that the robot begins in; none: it stands at the world's site `start`
   /// @throws InputError robot and world do not go together
   Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start = std::nullopt,
-          SimulatedRobot::Parameters parameters = {}, Modes modes = {});
+          SimulatedRobot::Parameters parameters = {}, Modes modes = {}, StateSource state = StateSource::sensors);
 
   /// Called with every tick, and with every answer of the planner.
   std::function<void(const TickRecord&)> on_tick;

@@ -3,15 +3,12 @@
 
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <fstream>
-#include <map>
-#include <mutex>
-#include <thread>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
-#include "app/episode.hpp"
+#include "app/crew.hpp"
+#include "app/soak.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::app {
@@ -21,18 +18,6 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
 constexpr long kEnough = 1000;  ///< failures after which there is no use in going on
-
-/// Replaces a file as a whole: whoever reads it finds the old or the new text.
-void write_whole(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::path fresh = file;
-  fresh += ".tmp";
-  std::ofstream out(fresh);
-  out << text << std::flush;
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(fresh, file, error);
-  if (!out || error) throw InputError(fmt::format("--report {}: cannot be written", file.string()));
-}
 
 /// The report of a soak: what was asked, what it came to, and how to go on.
 class SoakReport {
@@ -47,7 +32,9 @@ class SoakReport {
                {"gait", o.modes.gait},
                {"on_limit", o.modes.on_limit},
                {"seed", o.seed},
-               {"episode_s", o.episode}}),
+               {"state", o.physics.state},
+               {"drive", std::string(to_string(robot.profile().drive))},
+               {"episode_s", o.episode.value_or(Course{}.seconds)}}),
         period_(robot.profile().tick.period) {}
 
   /// Goes on from the file, if there is one.
@@ -93,77 +80,6 @@ class SoakReport {
   double wall_before_ = 0.0;
 };
 
-/// Episodes from `first` on, driven by several threads, handed out in their order.
-class Crew {
- public:
-  Crew(const Episodes& episodes, long first, int jobs)
-      : episodes_(&episodes), ahead_(4 * static_cast<std::size_t>(jobs)), next_(first), wanted_(first) {
-    for (int i = 0; i < jobs; ++i)
-      threads_.emplace_back([this] { work(); });
-  }
-  ~Crew() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      stop_ = true;
-    }
-    room_.notify_all();
-    for (std::thread& thread : threads_)
-      thread.join();
-  }
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
-
-  /// The next episode's result, if it is there in time.
-  /// @throws what a thread could not go on for
-  [[nodiscard]] std::optional<EpisodeResult> wait(std::chrono::milliseconds time) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    done_.wait_for(lock, time, [this] { return error_ || results_.contains(wanted_); });
-    if (error_) std::rethrow_exception(error_);
-    const auto found = results_.find(wanted_);
-    if (found == results_.end()) return std::nullopt;
-    EpisodeResult result = std::move(found->second);
-    results_.erase(found);
-    ++wanted_;
-    room_.notify_all();
-    return result;
-  }
-
- private:
-  void work() {
-    try {
-      for (;;) {
-        std::unique_lock<std::mutex> lock(mutex_);
-        // Not too far ahead of one that takes long.
-        room_.wait(lock, [this] { return stop_ || results_.size() < ahead_; });
-        if (stop_) return;
-        const long index = next_++;
-        lock.unlock();
-        EpisodeResult result = episodes_->run(index, stop_);
-        lock.lock();
-        if (stop_) return;
-        results_.emplace(index, std::move(result));
-        done_.notify_all();
-      }
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      error_ = std::current_exception();
-      done_.notify_all();
-    }
-  }
-
-  const Episodes* episodes_;
-  std::size_t ahead_;  ///< results that may wait for an earlier one
-  std::mutex mutex_;
-  std::condition_variable done_;
-  std::condition_variable room_;
-  std::atomic<bool> stop_{false};
-  long next_;
-  long wanted_;
-  std::map<long, EpisodeResult> results_;
-  std::exception_ptr error_;
-  std::vector<std::thread> threads_;
-};
-
 /// A line on standard error, now and then.
 class Progress {
  public:
@@ -198,30 +114,53 @@ class Progress {
   bool drawn_ = false;
 };
 
-/// Writes the stick of an episode that went wrong, and says how to see it again.
-void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeResult& result, double period) {
+}  // namespace
+
+void write_whole(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::path fresh = file;
+  fresh += ".tmp";
+  std::ofstream out(fresh);
+  out << text << std::flush;
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(fresh, file, error);
+  if (!out || error) throw InputError(fmt::format("--report {}: cannot be written", file.string()));
+}
+
+void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeResult& result, double period,
+                  long seed) {
   const Tally::Failure& failure = result.tally.listed.front();
-  const std::string file = fmt::format("{}.{}-{}.jsonl", o.report->string(), o.seed, failure.episode);
+  const std::string file = fmt::format("{}.{}{}-{}.jsonl", o.report->string(),
+                                       o.physics.scenario ? *o.physics.scenario + "-" : "", o.seed, failure.episode);
   write_whole(file, episodes.script(failure.episode, result));
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
+  std::string physics = fmt::format(" --state {}", o.physics.state);
+  if (o.physics.drive) physics += fmt::format(" --drive {}", *o.physics.drive);
+  if (o.physics.scenario) {
+    physics += fmt::format(" --scenario {} --times {} --seed {}", *o.physics.scenario, o.physics.times, seed);
+  }
   fmt::print(
-      "  baton drive --robot {} --world {} --on {} --duration {} --gait {} --on-limit {} --input script:{} --fast "
-      "--seconds "
-      "{:.3f}\n",
-      o.robot, o.world, o.on, o.modes.duration, o.modes.gait, o.modes.on_limit, file,
+      "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
+      "--seconds {:.3f}\n",
+      o.robot, o.world, o.on, physics, o.modes.duration, o.modes.gait, o.modes.on_limit, file,
       static_cast<double>(result.ticks) * period);
   std::fflush(stdout);
 }
 
-}  // namespace
-
 int soak(const SoakOptions& o) {
+  if (!o.report) throw InputError("soak needs --report: the file that the result is written to");
+  if (o.seeds) throw InputError("--seeds goes with --scenario");
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
-  const RobotModel robot = RobotModel::load(o.robot);
+  const RobotModel robot = load_robot(o.robot, o.physics.drive);
   const World world = World::load(o.world);
-  const Episodes episodes(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, modes_of(o.modes),
-                          static_cast<std::uint64_t>(o.seed), o.episode);
+  Course course;
+  course.on = o.on == "sim" ? Session::On::sim : Session::On::ideal;
+  course.modes = modes_of(o.modes);
+  course.state = state_named(o.physics.state);
+  course.seed = static_cast<std::uint64_t>(o.seed);
+  course.seconds = o.episode.value_or(course.seconds);
+  const Episodes episodes(robot, world, course);
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();
   const Tally& tally = report.tally;
@@ -242,7 +181,7 @@ int soak(const SoakOptions& o) {
         report.tally.add(result->tally);
         if (listed && result->tally.failures > 0) {
           progress.clear();
-          write_replay(o, episodes, *result, robot.profile().tick.period);
+          write_replay(o, episodes, *result, robot.profile().tick.period, o.seed);
         }
       }
       progress.show(tally, done());

@@ -218,12 +218,11 @@ double Stick::strange() {
   return values[static_cast<std::size_t>(dice_.below(values.size()))];
 }
 
-std::string stick_script(std::uint64_t seed, double period, long ticks) {
-  Stick stick(seed, period);
+std::string stick_script(const std::function<Command()>& stick, double period, long ticks) {
   std::string text;
   std::string last;
   for (long k = 0; k < ticks; ++k) {
-    const Command command = stick.next();
+    const Command command = stick();
     std::string same = script_line(0.0, command);
     if (same == last) continue;
     last = std::move(same);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -90,6 +91,6 @@ class Stick {
 
 /// Ticks 0 … `ticks` − 1 of a stick as a script that gives the very same commands (docs/input.md), then a line with
 /// the stick let go.
-[[nodiscard]] std::string stick_script(std::uint64_t seed, double period, long ticks);
+[[nodiscard]] std::string stick_script(const std::function<Command()>& stick, double period, long ticks);
 
 }  // namespace baton::app

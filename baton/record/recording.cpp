@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 template <typename Matrix>
 void get(const Json& json, Matrix& m) {
@@ -55,6 +55,7 @@ Json measurement_json(const Measurement& m) {
   Json json = {{"t", m.t},
                {"q", vector_json(m.q)},
                {"dq", vector_json(m.dq)},
+               {"torque", vector_json(m.torque)},
                {"imu", {vector_json(m.imu.attitude), vector_json(m.imu.rate), vector_json(m.imu.acceleration)}},
                {"sole", {wrench_json(m.sole.left), wrench_json(m.sole.right)}}};
   if (m.root) {
@@ -69,6 +70,7 @@ Measurement measurement_of(const Json& json) {
   m.t = json.at("t").get<double>();
   get(json.at("q"), m.q);
   get(json.at("dq"), m.dq);
+  get(json.at("torque"), m.torque);
   get(json.at("imu").at(0), m.imu.attitude);
   get(json.at("imu").at(1), m.imu.rate);
   get(json.at("imu").at(2), m.imu.acceleration);
@@ -94,7 +96,7 @@ std::string checksum(const JointTarget& target) {
     for (std::size_t i = 0; i < size; ++i)
       hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
   };
-  for (const VecX* v : {&target.q, &target.dq, &target.ddq, &target.tau})
+  for (const VecX* v : {&target.q, &target.dq, &target.ddq, &target.tau, &target.shift})
     add(v->data(), static_cast<std::size_t>(v->size()) * sizeof(double));
   const std::array<unsigned char, 2> contact{target.contact.left, target.contact.right};
   add(contact.data(), contact.size());

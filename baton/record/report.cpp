@@ -46,7 +46,7 @@ bool Report::Interval::moved() const {
          (wanted_rotation > 0.0 && most_rotation >= kMovedShare * wanted_rotation);
 }
 
-Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot) {}
+Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot), planned_(robot) {}
 
 Pose Report::guided_pose(Part part) {
   if (is_foot(part)) return kinematics_.sole(side_of(part));
@@ -149,6 +149,37 @@ void Report::add(const TickRecord& record) {
         support_polygon(*robot_, sole, truth.touch, kinematics_.com(), height).margin(measured_zmp(truth, height));
     measured_margin_ = std::min(measured_margin_, margin);
   }
+  track(record);
+}
+
+void Report::track(const TickRecord& record) {
+  const Navigator& nav = record.navigator;
+  if (nav.phase() == Phase::fallen || record.truth.fallen) return;
+  const MotionSample& plan = nav.sample();
+  const BySide<Pose> soles{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
+  const Pose frame = anchor_correction(plan.sole, soles, plan.contact);
+  planned_.set(plan.q);
+  tracking_.com += (kinematics_.com() - frame * plan.com).squaredNorm();
+  const Vec2 zmp = (frame * Vec3(plan.zmp.x(), plan.zmp.y(), plan.zmp_height)).head<2>();
+  const Vec2 measured = measured_zmp(record.truth, support_plane(soles, plan.contact));
+  if (measured.allFinite()) tracking_.zmp += (measured - zmp).squaredNorm();
+  for (const Side side : kSides) {
+    tracking_.sole += 0.5 * (soles[side].p - frame * plan.sole[side].p).squaredNorm();
+    tracking_.hand += 0.5 * (kinematics_.hand(side).p - frame * planned_.hand(side).p).squaredNorm();
+  }
+  ++tracking_.ticks;
+
+  const Vec3 trunk = record.truth.q.head<3>();
+  if (!std::exchange(tracks_, true)) way_from_ = trunk;
+  // The way is counted in pieces, so that swaying does not count.
+  const double piece = 0.1 * robot_->profile().stance.com_height;
+  if ((trunk - way_from_).head<2>().norm() > piece) {
+    way_ += (trunk - way_from_).head<2>().norm();
+    way_from_ = trunk;
+  }
+  const double error = (nav.anchor() * Vec3(nav.state().q.head<3>()) - trunk).norm();
+  tracking_.estimate = std::max(tracking_.estimate, error);
+  if (way_ > 2.0 * robot_->profile().stance.com_height) tracking_.share = std::max(tracking_.share, error / way_);
 }
 
 void Report::add(const PlanRecord& record) {
@@ -165,6 +196,9 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
     const Pose pose = part == Part::trunk ? kinematics_.trunk() : guided_pose(part);
     final[std::string(to_string(part))] = {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
   }
+  const auto rms = [this](double sum) {
+    return tracking_.ticks > 0 ? std::sqrt(sum / static_cast<double>(tracking_.ticks)) : 0.0;
+  };
   const auto moved = std::count_if(commands_.begin(), commands_.end(), [](const Interval& c) { return c.moved(); });
   return {{"robot", robot_->profile().name},
           {"world", world},
@@ -180,6 +214,14 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
           {"tick_us", tick_.summary()},
           {"zmp_margin_m",
            {{"planned_min", finite_or_null(planned_margin_)}, {"measured_min", finite_or_null(measured_margin_)}}},
+          {"tracking",
+           {{"com_rms_m", rms(tracking_.com)},
+            {"sole_rms_m", rms(tracking_.sole)},
+            {"hand_rms_m", rms(tracking_.hand)},
+            {"zmp_rms_m", rms(tracking_.zmp)},
+            {"way_m", way_},
+            {"estimate_max_m", tracking_.estimate},
+            {"estimate_share", tracking_.share}}},
           {"tilt_deg_max", tilt_ * 180.0 / M_PI},
           {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
           {"final", final}};

@@ -78,6 +78,25 @@ class Report {
   double planned_margin_ = std::numeric_limits<double>::infinity();
   double measured_margin_ = std::numeric_limits<double>::infinity();
   double tilt_ = 0.0;
+
+  /// How well the plan is followed, seen from the soles that stand.
+  struct Tracking {
+    double com = 0.0;  ///< sums of squares [m²]
+    double sole = 0.0;
+    double hand = 0.0;
+    double zmp = 0.0;
+    long ticks = 0;
+    double estimate = 0.0;  ///< the largest error of where the trunk is believed to be [m]
+
+    double share = 0.0;  ///< the largest of estimate over way, once it has come some way
+  };
+  void track(const TickRecord& record);
+
+  Kinematics planned_;
+  Tracking tracking_;
+  bool tracks_ = false;
+  double way_ = 0.0;
+  Vec3 way_from_ = Vec3::Zero();
 };
 
 }  // namespace baton

@@ -1,0 +1,86 @@
+/// Threads that drive episodes.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "app/episode.hpp"
+
+namespace baton::app {
+
+/// Episodes from `first` on, driven by several threads, handed out in their order.
+class Crew {
+ public:
+  Crew(const Episodes& episodes, long first, int jobs)
+      : episodes_(&episodes), ahead_(4 * static_cast<std::size_t>(jobs)), next_(first), wanted_(first) {
+    for (int i = 0; i < jobs; ++i)
+      threads_.emplace_back([this] { work(); });
+  }
+  ~Crew() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+    }
+    room_.notify_all();
+    for (std::thread& thread : threads_)
+      thread.join();
+  }
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  /// The next episode's result, if it is there in time.
+  /// @throws what a thread could not go on for
+  [[nodiscard]] std::optional<EpisodeResult> wait(std::chrono::milliseconds time) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    done_.wait_for(lock, time, [this] { return error_ || results_.contains(wanted_); });
+    if (error_) std::rethrow_exception(error_);
+    const auto found = results_.find(wanted_);
+    if (found == results_.end()) return std::nullopt;
+    EpisodeResult result = std::move(found->second);
+    results_.erase(found);
+    ++wanted_;
+    room_.notify_all();
+    return result;
+  }
+
+ private:
+  void work() {
+    try {
+      for (;;) {
+        std::unique_lock<std::mutex> lock(mutex_);
+        // Not too far ahead of one that takes long.
+        room_.wait(lock, [this] { return stop_ || results_.size() < ahead_; });
+        if (stop_) return;
+        const long index = next_++;
+        lock.unlock();
+        EpisodeResult result = episodes_->run(index, stop_);
+        lock.lock();
+        if (stop_) return;
+        results_.emplace(index, std::move(result));
+        done_.notify_all();
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      error_ = std::current_exception();
+      done_.notify_all();
+    }
+  }
+
+  const Episodes* episodes_;
+  std::size_t ahead_;  ///< results that may wait for an earlier one
+  std::mutex mutex_;
+  std::condition_variable done_;
+  std::condition_variable room_;
+  std::atomic<bool> stop_{false};
+  long next_;
+  long wanted_;
+  std::map<long, EpisodeResult> results_;
+  std::exception_ptr error_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace baton::app

@@ -1,0 +1,133 @@
+#include "app/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/stick.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kHeight = 0.26;    ///< COM height of mighty, for which lengths are given [m]
+constexpr double kMomentum = 8.83;  ///< m √(g h) of mighty, for which impulses are given [N·s]
+constexpr double kSettled = 2.0;    ///< when the single pushes begin [s]
+constexpr int kDirections = 8;
+constexpr double kInstants = 0.05;  ///< from one instant of a single push to the next [s]
+
+/// Horizontal, of this length.
+Vec3 horizontal(double angle, double length) {
+  return length * Vec3(std::cos(angle), std::sin(angle), 0.0);
+}
+
+/// Pushes in all directions, again and again.
+std::vector<Push> pushes(Dice& dice, double impulse, double seconds, int from_ms, int to_ms) {
+  std::vector<Push> list;
+  for (double t = kSettled; t < seconds; t += 1e-3 * dice.between(from_ms, to_ms))
+    list.push_back({t, 0.05, horizontal(M_PI * dice.axis(), impulse)});
+  return list;
+}
+
+}  // namespace
+
+const std::vector<Scenario>& scenarios() {
+  static const std::vector<Scenario> all{
+      {"nominal", "the model"},
+      {"friction", "friction 0.3"},
+      {"mass", "mass + or - 10 %"},
+      {"com", "COM of the trunk 10 mm off, horizontally"},
+      {"gain", "motors give 20 % less"},
+      {"strength", "motors give 10 % less at most"},
+      {"delay5", "targets come 5 ms late"},
+      {"delay10", "targets come 10 ms late"},
+      {"noise", "encoders 0.1 deg, forces 5 %, IMU 0.5 deg off"},
+      {"slope", "floor tilted by 3 deg"},
+      {"tiles", "tiles up to 4 mm higher or lower"},
+      {"contact", "solref 0.002 to 0.04"},
+      {"kp07", "servos' kp x 0.7"},
+      {"kp14", "servos' kp x 1.4"},
+      {"stiff", "servos that take angles only"},
+      {"stiff_tiles", "the same on tiles, 2 mm"},
+      {"push", "0.6 N s every 2 to 4 s"},
+      {"mix", "a milder mix of all"},
+      {"push_stand", "standing: 0.6 N s, 8 directions", Driving::stand, 6.0},
+      {"push_side", "standing: 1.2 N s sideways", Driving::stand, 6.0},
+      {"push_fore", "standing: 1.0 N s fore and aft", Driving::stand, 6.0},
+      {"push_walk", "walking: 0.6 N s, 8 directions, 20 instants", Driving::walk, 8.0},
+  };
+  return all;
+}
+
+const Scenario& scenario_named(const std::string& name) {
+  for (const Scenario& scenario : scenarios()) {
+    if (name == scenario.name) return scenario;
+  }
+  std::string names;
+  for (const Scenario& scenario : scenarios())
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", scenario.name);
+  throw InputError(fmt::format("--scenario {}: there is none of this name, but {}", name, names));
+}
+
+Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times) {
+  const double height = robot.profile().stance.com_height;
+  const double length = times * height / kHeight;
+  const double impulse = times * robot.mass() * std::sqrt(kGravity * height) / kMomentum;
+  Dice dice(mixed_seed(seed, 77));
+  const std::string_view is = scenario.name;
+  const double way = M_PI * dice.axis();
+  Plant plant;
+  plant.seed = mixed_seed(seed, 78);
+  const auto single_push = [&](double size, double angle) {
+    const double instant = static_cast<double>(seed / kDirections % 20);
+    plant.pushes = {{kSettled + kInstants * instant, 0.05, horizontal(angle, size * impulse)}};
+  };
+  if (is == "friction") plant.friction = 0.3;
+  if (is == "mass") plant.mass = 1.0 + (seed % 2 == 0 ? 0.1 : -0.1) * times;
+  if (is == "com") plant.com_offset = horizontal(way, 0.010 * length);
+  if (is == "gain") plant.gain = 1.0 - 0.2 * times;
+  if (is == "strength") plant.strength = 1.0 - 0.1 * times;
+  if (is == "delay5") plant.delay = 0.005 * times;
+  if (is == "delay10") plant.delay = 0.010 * times;
+  if (is == "kp07") plant.kp = 0.7;
+  if (is == "kp14") plant.kp = 1.4;
+  if (is == "slope") plant.tilt = horizontal(way, 3.0 * kDegree * times);
+  if (is == "tiles") plant.tiles = 0.004 * length;
+  if (is == "stiff_tiles") plant.tiles = 0.002 * length;
+  if (is == "contact") plant.solref = 0.002 * std::pow(20.0, 0.5 * (1.0 + dice.axis()));
+  if (is == "push") plant.pushes = pushes(dice, 0.6 * impulse, scenario.seconds, 2000, 4000);
+  if (is == "push_stand" || is == "push_walk")
+    single_push(0.6, 2.0 * M_PI / kDirections * static_cast<double>(seed % kDirections));
+  if (is == "push_side") single_push(1.2, seed % 2 == 0 ? M_PI_2 : -M_PI_2);
+  if (is == "push_fore") single_push(1.0, seed % 2 == 0 ? 0.0 : M_PI);
+  if (is == "noise") {
+    plant.encoder_noise = 0.1 * kDegree * times;
+    plant.force_noise = 0.05 * times;
+    plant.imu_bias = horizontal(way, 0.5 * kDegree * times);
+  }
+  if (is == "mix") {
+    plant.friction = 0.7 + 0.3 * dice.axis();
+    plant.mass = 1.0 + 0.05 * times * dice.axis();
+    plant.com_offset = horizontal(way, 0.005 * length);
+    plant.gain = 1.0 - 0.1 * times;
+    plant.strength = 1.0 - 0.05 * times;
+    plant.delay = 0.003;
+    plant.encoder_noise = 0.05 * kDegree * times;
+    plant.force_noise = 0.03 * times;
+    plant.imu_bias = horizontal(M_PI * dice.axis(), 0.25 * kDegree * times);
+    plant.tilt = horizontal(M_PI * dice.axis(), kDegree * times);
+    plant.tiles = 0.001 * length;
+    plant.solref = 0.005 * std::pow(2.0, dice.axis());
+    plant.kp = 1.0 + 0.15 * dice.axis();
+    plant.pushes = pushes(dice, 0.3 * impulse, scenario.seconds, 2000, 4000);
+  }
+  return plant;
+}
+
+Drive drive_of(const Scenario& scenario, const RobotModel& robot) {
+  return scenario.name.starts_with("stiff") ? Drive::stiff : robot.profile().drive;
+}
+
+}  // namespace baton::app

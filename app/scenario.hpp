@@ -1,0 +1,39 @@
+/// What a robot meets in physics that its model does not have (docs/balance.md).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "baton/guide/command.hpp"
+#include "baton/robot/plant.hpp"
+
+namespace baton::app {
+
+/// What goes on at the stick meanwhile.
+enum class Driving {
+  random,  ///< docs/soak.md
+  stand,   ///< nothing
+  walk,    ///< the trunk is guided forward, all the time
+};
+
+struct Scenario {
+  std::string_view name;
+  std::string_view what;  ///< in a few words, with numbers for mighty
+  Driving driving = Driving::random;
+  double seconds = 60.0;  ///< how long it takes, unless something else is asked for
+};
+
+[[nodiscard]] const std::vector<Scenario>& scenarios();
+
+/// @throws InputError there is none of this name
+[[nodiscard]] const Scenario& scenario_named(const std::string& name);
+
+/// One such plant. Lengths and impulses grow with the robot.
+/// @param times factor on how far it is from the model
+[[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0);
+
+/// The drive that the robot has there.
+[[nodiscard]] Drive drive_of(const Scenario& scenario, const RobotModel& robot);
+
+}  // namespace baton::app
