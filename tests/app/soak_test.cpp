@@ -20,6 +20,15 @@ using testing::HasSubstr;
 
 constexpr double kPeriod = 0.005;
 
+Course course(Session::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
+  Course course;
+  course.on = on;
+  course.seed = seed;
+  course.seconds = seconds;
+  course.modes = modes;
+  return course;
+}
+
 bool same(const Command& a, const Command& b) {
   return sanitised(a) == sanitised(b) && std::signbit(a.axes[0]) == std::signbit(b.axes[0]);
 }
@@ -89,7 +98,8 @@ TEST(Stick, IsDeflectedMostOfTheTimeAndKnowsEveryStyle) {
 TEST(Stick, AsAScriptItIsTheSame) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     constexpr long kTicks = 4000;
-    Script script = Script::parse(stick_script(seed, kPeriod, kTicks), "stick");
+    const auto read = [stick = Stick(seed, kPeriod)]() mutable { return stick.next(); };
+    Script script = Script::parse(stick_script(read, kPeriod, kTicks), "stick");
     Stick stick(seed, kPeriod);
     for (long k = 0; k < kTicks; ++k) {
       const Command command = stick.next();
@@ -178,9 +188,10 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
   EXPECT_EQ(report["violations"]["fall"], 1);
   const std::string script = scratch.path("r.json.5-0.jsonl");
   const double t = report["simulated_s"];
-  EXPECT_THAT(outcome.out,
-              HasSubstr("baton drive --robot mighty --world " + file +
-                        " --on sim --duration paper --gait flow --on-limit shrink --input script:" + script));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("baton drive --robot mighty --world " + file +
+                " --on sim --state sensors --duration paper --gait flow --on-limit shrink --input script:" + script));
   EXPECT_THAT(outcome.out, HasSubstr(fmt::format("--seconds {:.3f}", t)));
 
   EXPECT_EQ(run({"drive", "--world", file, "--on", "sim", "--input", "script:" + script, "--fast", "--seconds",
@@ -189,7 +200,7 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
             kFallen);
   const World gale(file);
   const std::atomic<bool> stop{false};
-  const EpisodeResult again = Episodes(test::robot("mighty"), gale, Session::On::sim, {}, 5, 30.0).run(0, stop);
+  const EpisodeResult again = Episodes(test::robot("mighty"), gale, course(Session::On::sim, 5, 30.0)).run(0, stop);
   expect_same_end(scratch.table("t.csv"), again);
 }
 
@@ -197,7 +208,7 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
   const Scratch scratch;
   const World world = World::load("flat");
   const std::atomic<bool> stop{false};
-  const Episodes episodes(test::robot("mighty"), world, Session::On::ideal, {}, 11, 20.0);
+  const Episodes episodes(test::robot("mighty"), world, course(Session::On::ideal, 11, 20.0));
   const EpisodeResult result = episodes.run(4, stop);
   EXPECT_GE(result.tally.segments, 3);
   EXPECT_GE(result.tally.retrace.tried, 1);
@@ -238,7 +249,8 @@ INSTANTIATE_TEST_SUITE_P(Situations, SoakInClutter,
 TEST_P(SoakInClutter, NothingGoesWrong) {
   const Situation& s = GetParam();
   const World clutter(std::string(BATON_SOURCE_DIR) + "/tests/worlds/clutter.xml");
-  const Episodes episodes(test::robot(s.robot), clutter, s.on, s.modes, s.seed, s.on == Session::On::sim ? 8.0 : 10.0);
+  const Episodes episodes(test::robot(s.robot), clutter,
+                          course(s.on, s.seed, s.on == Session::On::sim ? 8.0 : 10.0, s.modes));
   const std::atomic<bool> stop{false};
   const Tally tally = episodes.run(s.episode, stop).tally;
   for (const Tally::Failure& failure : tally.listed) {

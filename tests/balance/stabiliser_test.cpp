@@ -76,6 +76,7 @@ TEST_P(StabiliserTest, WithoutErrorIsInverseDynamicsWithTheContactForces) {
   const double weight = robot_.mass() * kGravity;
   for (const Moment& moment : moments()) {
     const MotionSample& next = moment.next;
+    stabiliser.reset();
     const JointTarget& target = stabiliser.target(moment.now, next, as_planned(moment.now));
     EXPECT_EQ(target.q, next.q.tail(robot_.nv() - 6));
     EXPECT_EQ(target.dq, next.dq.tail(robot_.nv() - 6));
@@ -129,6 +130,7 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
       const double scale = size * std::pow(10.0, 1.5 * (uniform(random) - 1.0));
       const Vec3 dp = scale * Vec3(uniform(random), uniform(random), 0);
       const Vec3 dv = scale * omega * Vec3(uniform(random), uniform(random), 0);
+      stabiliser.reset();
       State state = as_planned(moment.now);
       state.com += dp;
       state.dcom += dv;

@@ -250,7 +250,7 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
 }
 
 TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
-  Trip run(robot_, {.gait = Gait::stop});
+  Trip run(robot_, {.gait = Gait::stop}, "flat", StateSource::perfect);
   while (run.navigator().committed() < 3)
     run.step(push(Part::trunk, 0));
   while (run.navigator().motion() != nullptr)

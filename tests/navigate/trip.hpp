@@ -12,11 +12,12 @@ namespace baton::test {
 /// A run on the ideal robot, one tick after the other; answers of the planner can be withheld.
 class Trip {
  public:
-  explicit Trip(const RobotModel& robot, Modes modes = {}, const std::string& world = "flat")
+  explicit Trip(const RobotModel& robot, Modes modes = {}, const std::string& world = "flat",
+                StateSource source = StateSource::sensors)
       : robot_(&robot),
         world_(World::load(world)),
         home_(stand(robot, world_.site("start"), robot.profile().stance.com_height)),
-        navigator_(robot, home_, modes.gait),
+        navigator_(robot, world_, home_, modes.gait, source),
         planning_(robot, world_, modes),
         body_(robot, home_, robot.profile().tick.period) {}
 

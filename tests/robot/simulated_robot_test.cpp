@@ -58,7 +58,7 @@ class SimulatedRobotTest : public testing::TestWithParam<std::string> {
   /// Joints at home, no feed-forward.
   [[nodiscard]] JointTarget stiff() const {
     const VecX zero = VecX::Zero(robot_.nv() - 6);
-    return {home_.q.tail(robot_.nv() - 6), zero, zero, zero, {true, true}};
+    return {home_.q.tail(robot_.nv() - 6), zero, zero, zero, {true, true}, zero};
   }
 
   [[nodiscard]] Vec2 zmp(const Truth& truth) const {
@@ -308,9 +308,9 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
   Plant heavy;
   heavy.mass = 1.05;
   Plant slippery;
-  slippery.friction = 0.6;
+  slippery.friction = 0.5;
   Plant soft;
-  soft.gains = 0.7;
+  soft.gain = 0.7;
   Plant lopsided;
   lopsided.com_offset = Vec3(0.02, 0.01, 0.0) * size_;
   for (const Plant& plant : {heavy, slippery, soft, lopsided}) {

@@ -1,0 +1,142 @@
+// Physics that is not the model, and the table of what the robot survives.
+#include "app/scenario.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "app/app.hpp"
+#include "app/episode.hpp"
+#include "baton/model/error.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace baton::app {
+namespace {
+
+using test::Outcome;
+using test::run;
+using test::Scratch;
+using testing::HasSubstr;
+
+bool is_the_model(const Plant& p) {
+  return !p.friction && !p.solref && p.mass == 1.0 && p.com_offset.isZero(0.0) && p.gain == 1.0 && p.strength == 1.0 &&
+         p.kp == 1.0 && p.delay == 0.0 && p.encoder_noise == 0.0 && p.force_noise == 0.0 && p.imu_bias.isZero(0.0) &&
+         p.tilt.isZero(0.0) && p.tiles == 0.0 && p.pushes.empty();
+}
+
+TEST(Scenario, EachIsSomethingElseThanTheModelAndTheSameForTheSameSeed) {
+  const RobotModel& robot = test::robot("mighty");
+  std::set<std::string_view> names;
+  for (const Scenario& scenario : scenarios()) {
+    EXPECT_TRUE(names.insert(scenario.name).second);
+    EXPECT_FALSE(scenario.what.empty());
+    EXPECT_EQ(&scenario_named(std::string(scenario.name)), &scenario);
+    const bool model = scenario.name == "nominal" || scenario.name == "stiff";
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+      const Plant a = plant_of(scenario, robot, seed);
+      const Plant b = plant_of(scenario, robot, seed);
+      EXPECT_EQ(is_the_model(a), model) << scenario.name;
+      EXPECT_EQ(a.seed, b.seed);
+      EXPECT_EQ(a.com_offset, b.com_offset);
+      EXPECT_EQ(a.tilt, b.tilt);
+      ASSERT_EQ(a.pushes.size(), b.pushes.size());
+      for (std::size_t i = 0; i < a.pushes.size(); ++i)
+        EXPECT_EQ(a.pushes[i].impulse, b.pushes[i].impulse);
+    }
+  }
+  EXPECT_THROW(static_cast<void>(scenario_named("earthquake")), InputError);
+}
+
+TEST(Scenario, HasTheSizeThatItSays) {
+  const RobotModel& robot = test::robot("mighty");
+  for (std::uint64_t seed = 0; seed < 160; ++seed) {
+    const auto plant = [&](const char* name, double times = 1.0) {
+      return plant_of(scenario_named(name), robot, seed, times);
+    };
+    EXPECT_NEAR(plant("com").com_offset.norm(), 0.010, 1e-9);
+    EXPECT_NEAR(plant("slope").tilt.norm(), 3.0 * M_PI / 180.0, 1e-12);
+    EXPECT_NEAR(plant("slope", 0.5).tilt.norm(), 1.5 * M_PI / 180.0, 1e-12);
+    EXPECT_NEAR(plant("push_side").pushes.at(0).impulse.norm(), 1.2, 2e-3);
+    EXPECT_NEAR(plant("push_walk").pushes.at(0).impulse.norm(), 0.6, 1e-3);
+    EXPECT_NEAR(plant("push_side").pushes.at(0).impulse.x(), 0.0, 1e-9);
+    EXPECT_NEAR(plant("push_fore").pushes.at(0).impulse.y(), 0.0, 1e-9);
+    EXPECT_GE(*plant("contact").solref, 0.002 - 1e-12);
+    EXPECT_LE(*plant("contact").solref, 0.040 + 1e-12);
+  }
+}
+
+TEST(Scenario, SinglePushesComeFromEightDirectionsAtTwentyInstants) {
+  const RobotModel& robot = test::robot("mighty");
+  std::set<std::pair<long, long>> seen;
+  for (std::uint64_t seed = 0; seed < 160; ++seed) {
+    const Push push = plant_of(scenario_named("push_walk"), robot, seed).pushes.at(0);
+    const double angle = std::atan2(push.impulse.y(), push.impulse.x());
+    seen.insert({std::lround(4.0 * angle / M_PI) & 7, std::lround(push.t / 0.05)});
+  }
+  EXPECT_EQ(seen.size(), 160u);
+}
+
+/// Each of them, for a few seconds: what was seen to stay on its feet for hours does so here as well.
+TEST(Scenario, MightyStaysOnItsFeet) {
+  const World flat = World::load("flat");
+  const std::atomic<bool> stop{false};
+  for (const Scenario& scenario : scenarios()) {
+    RobotModel robot = RobotModel::load("mighty");
+    const Drive drive = drive_of(scenario, robot);
+    if (drive != robot.profile().drive) robot = with_drive(robot, drive);
+    Course course;
+    course.on = Session::On::sim;
+    course.seed = 4;
+    course.seconds = 4.0;
+    course.scenario = &scenario;
+    const EpisodeResult result = Episodes(robot, flat, course).run(0, stop);
+    EXPECT_EQ(result.summary["falls"], 0) << scenario.name;
+    EXPECT_LT(result.summary["tilt_deg_max"].get<double>(), 25.0) << scenario.name;
+    if (scenario.driving != Driving::stand) {
+      EXPECT_GE(result.tally.segments, 2) << scenario.name;
+    }
+  }
+}
+
+TEST(Soak, PrintsATableOfAScenarioAndAFallThatCanBeSeenAgain) {
+  const Scratch scratch;
+  // A push that fells everyone.
+  const Outcome outcome = run({"soak", "--scenario", "push_stand", "--times", "8", "--seeds", "3", "--seed", "5",
+                               "--report", scratch.path("r.json")});
+  EXPECT_EQ(outcome.code, kFallen);
+  EXPECT_THAT(outcome.out, HasSubstr("push_stand"));
+  EXPECT_THAT(outcome.out, HasSubstr("0/3"));
+  const nlohmann::json row = scratch.json("r.json")["scenarios"]["push_stand"];
+  EXPECT_EQ(row["tried"], 3);
+  EXPECT_EQ(row["survived"], 0);
+  EXPECT_EQ(row["fell_with_seeds"], nlohmann::json({5, 6, 7}));
+  EXPECT_NEAR(row["fall_rate_95"].get<double>(), 1.0, 1e-12);
+  // The line printed for the second of them, as it is.
+  const std::string script = scratch.path("r.json.push_stand-5-1.jsonl");
+  const std::string line = "--scenario push_stand --times 8 --seed 6";
+  EXPECT_THAT(outcome.out, HasSubstr(line));
+  EXPECT_EQ(run({"drive", "--world", "flat", "--on", "sim", "--scenario", "push_stand", "--times", "8", "--seed", "6",
+                 "--input", "script:" + script, "--fast", "--seconds", "6"})
+                .code,
+            kFallen);
+  EXPECT_EQ(
+      run({"drive", "--world", "flat", "--on", "sim", "--input", "script:" + script, "--fast", "--seconds", "6"}).code,
+      kDone);
+}
+
+TEST(Soak, AScenarioIsRefusedWithWhatWouldBeRight) {
+  const Outcome unknown = run({"soak", "--scenario", "earthquake", "--seeds", "2"});
+  EXPECT_EQ(unknown.code, kBadInput);
+  EXPECT_THAT(unknown.err, HasSubstr("nominal, friction"));
+  EXPECT_EQ(run({"soak", "--scenario", "mass"}).code, kBadInput);
+  EXPECT_EQ(run({"soak", "--scenario", "mass", "--seeds", "2", "--hours", "1"}).code, kBadInput);
+  EXPECT_EQ(run({"soak", "--segments", "5"}).code, kBadInput) << "without a report";
+  const Outcome tiles = run({"drive", "--scenario", "tiles", "--world", "room", "--fast", "--seconds", "1"});
+  EXPECT_EQ(tiles.code, kBadInput);
+  EXPECT_THAT(tiles.err, HasSubstr("one plane"));
+  EXPECT_EQ(run({"drive", "--state", "guess", "--fast", "--seconds", "1"}).code, kBadInput);
+}
+
+}  // namespace
+}  // namespace baton::app

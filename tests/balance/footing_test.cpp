@@ -1,0 +1,350 @@
+#include "baton/balance/footing.hpp"
+
+#include <gtest/gtest.h>
+
+#include "app/session.hpp"
+#include "tests/verify/sample_motions.hpp"
+
+namespace baton {
+namespace {
+
+// Bounds of an offset; lengths are shares of the COM height.
+constexpr double kMostHeight = 0.05;
+constexpr double kMostPlace = 0.1;
+constexpr double kMostTurn = 0.2;  // [rad]
+// What need not be followed: less is as planned.
+constexpr double kExact = 6e-4;
+constexpr double kLevel = 1.5e-3;  // [rad]
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
+  std::size_t below(std::size_t n) { return engine_() % n; }
+  bool coin() { return below(2) == 0; }
+  Vec3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
+  Vec3 horizontal(double size) { return {(*this)(-size, size), (*this)(-size, size), 0.0}; }
+  /// Horizontal, of length 1.
+  Vec3 way() { return rotation_z((*this)(-M_PI, M_PI)).col(0); }
+  /// Of any size from tiny to absurd.
+  double wild() { return (coin() ? 1.0 : -1.0) * std::pow(10.0, (*this)(-6.0, 12.0)); }
+  Vec3 wild_vector() { return {wild(), wild(), wild()}; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+class FootingTest : public testing::TestWithParam<std::string> {
+ protected:
+  /// Samples of motions, as they are planned.
+  const std::vector<MotionSample>& samples() {
+    static std::map<std::string, std::vector<MotionSample>> known;
+    std::vector<MotionSample>& list = known[GetParam()];
+    if (!list.empty()) return list;
+    for (const Motion& motion : test::sample_motions(GetParam())) {
+      for (std::size_t k = 0; k < motion.samples.size(); k += 7)
+        list.push_back(motion.samples[k]);
+    }
+    return list;
+  }
+
+  /// What each sole should carry by a plan.
+  [[nodiscard]] BySide<Wrench> wanted_by(const MotionSample& sample) {
+    kinematics_.set(sample.q);
+    const BySide<Wrench> shared =
+        share_wrench(robot_, sample.sole, sample.contact, ground_wrench(kinematics_, sample.force));
+    BySide<Wrench> wanted;
+    for (const Side side : kSides)
+      wanted[side] = {shared[side].force, shared[side].moment_about(sample.sole[side].p)};
+    return wanted;
+  }
+
+  /// A share of the weight, in the middle of the sole.
+  [[nodiscard]] Wrench load(double share) const { return {Vec3(0, 0, share * weight_), Vec3::Zero()}; }
+
+  /// A load that presses at a point of a sole, given in the sole's frame.
+  [[nodiscard]] Wrench load_at(double share, const Pose& sole, const Vec2& point) const {
+    const Vec3 force(0, 0, share * weight_);
+    return {force, (sole.R * Vec3(point.x(), point.y(), 0)).cross(force)};
+  }
+
+  /// The state of a robot that is just where the plan says, with these forces under its soles.
+  [[nodiscard]] State as_planned(const MotionSample& sample, const BySide<Wrench>& force) const {
+    State state;
+    state.q = sample.q;
+    state.com = sample.com;
+    state.dcom = sample.dcom;
+    state.sole = sample.sole;
+    state.force = force;
+    return state;
+  }
+
+  static bool nothing(const Footing::Offset& offset) { return offset.p.isZero(0.0) && offset.turn.isZero(0.0); }
+  /// Length and angle together.
+  [[nodiscard]] double size_of(const Footing::Offset& offset) const {
+    return offset.p.norm() / size_ + offset.turn.norm();
+  }
+
+  [[nodiscard]] static Pose displaced(const Pose& sole, const Footing::Offset& by) {
+    return {sole.p + by.p, rotation_exp(by.turn) * sole.R};
+  }
+  /// A few mm to any side, and inclined.
+  [[nodiscard]] Footing::Offset some_offset() { return {random_.vector(0.015 * size_), random_.horizontal(0.05)}; }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  const RobotModel stiff_ = app::with_drive(robot_, Drive::stiff);
+  const double size_ = robot_.profile().stance.com_height;
+  const double weight_ = robot_.mass() * kGravity;
+  const int n_ = robot_.nv() - 6;
+  const int second_ = static_cast<int>(std::lround(1.0 / robot_.profile().tick.period));  ///< ticks
+  const MotionSample held_ = resting(robot_, stand(robot_, Pose{}, size_));
+  const BySide<Wrench> halves_{load(0.5), load(0.5)};
+  Kinematics kinematics_{robot_};
+  Random random_{8};
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, FootingTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(FootingTest, WhereEverythingIsAsPlannedNothingIsAdded) {
+  ASSERT_GT(samples().size(), 200u);
+  for (const RobotModel* robot : {&robot_, &stiff_}) {
+    Footing footing(*robot);
+    for (const MotionSample& sample : samples()) {
+      const BySide<Wrench> wanted = wanted_by(sample);
+      footing.follow(sample, as_planned(sample, wanted), wanted);
+      for (const Side side : kSides)
+        ASSERT_TRUE(nothing(footing.offset()[side]));
+      const VecX planned = sample.q.tail(n_);
+      VecX q = planned;
+      kinematics_.set(sample.q);
+      footing.apply(kinematics_, q);
+      ASSERT_EQ(q, planned);
+    }
+  }
+}
+
+TEST_P(FootingTest, SolesThatStandElsewhereAreFollowedThere) {
+  for (int trial = 0; trial < 100; ++trial) {
+    const BySide<Footing::Offset> away{some_offset(), some_offset()};
+    MotionSample now = held_;
+    const double left = random_(0.35, 0.65);
+    const BySide<Wrench> wanted{load(left), load(1.0 - left)};
+    State state = as_planned(now, wanted);
+    for (const Side side : kSides)
+      state.sole[side] = displaced(now.sole[side], away[side]);
+    now.contact[trial % 2 == 0 ? Side::left : Side::right] = random_.coin();  // it may stand sooner than planned
+    Footing footing(robot_);
+    BySide<double> off{size_of(away.left), size_of(away.right)};
+    for (int tick = 0; tick < 3 * second_; ++tick) {
+      footing.follow(now, state, wanted);
+      for (const Side side : kSides) {
+        const Footing::Offset& offset = footing.offset()[side];
+        const double still = size_of({away[side].p - offset.p, away[side].turn - offset.turn});
+        ASSERT_LE(still, off[side] + 1e-12) << "nearer at every tick";
+        off[side] = still;
+      }
+    }
+    for (const Side side : kSides) {
+      const Footing::Offset& offset = footing.offset()[side];
+      ASSERT_LT((offset.p - away[side].p).norm(), kExact * size_) << "trial " << trial;
+      ASSERT_LT((offset.turn - away[side].turn).norm(), kLevel) << "trial " << trial;
+    }
+  }
+}
+
+TEST_P(FootingTest, TheLegsTakeTheSolesThere) {
+  Kinematics moved(robot_);
+  int compared = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    State state = as_planned(held_, halves_);
+    for (const Side side : kSides)
+      state.sole[side] = displaced(held_.sole[side], some_offset());
+    Footing footing(robot_);
+    for (int tick = 0; tick < 2 * second_; ++tick)
+      footing.follow(held_, state, halves_);
+    for (std::size_t k = static_cast<std::size_t>(trial); k < samples().size(); k += 10) {
+      const MotionSample& sample = samples()[k];
+      kinematics_.set(sample.q);
+      VecX q = sample.q.tail(n_);
+      footing.apply(kinematics_, q);
+      VecX with = sample.q;  // the root stays
+      with.tail(n_) = q;
+      moved.set(with);
+      VecX others = q - sample.q.tail(n_);
+      for (const Side side : kSides) {
+        bool at_limit = false;
+        for (const int j : robot_.leg(side)) {
+          const Range& range = robot_.joints()[static_cast<std::size_t>(j)].position;
+          at_limit = at_limit || q[j] == range.lo || q[j] == range.hi;
+          others[j] = 0.0;
+        }
+        if (at_limit) continue;
+        const Footing::Offset& offset = footing.offset()[side];
+        const Pose goal = displaced(kinematics_.sole(side), offset);
+        const double size = size_of(offset);
+        const double tolerance = 3.0 * size * size + 1e-3 * size;  // it is one step of Newton's method
+        ASSERT_LT((moved.sole(side).p - goal.p).norm(), tolerance * size_) << "size " << size;
+        ASSERT_LT(rotation_error(goal.R, moved.sole(side).R).norm(), tolerance) << "size " << size;
+        ++compared;
+      }
+      ASSERT_TRUE(others.isZero(0.0)) << "a joint that is none of the legs'";
+    }
+  }
+  EXPECT_GT(compared, 400);
+}
+
+TEST_P(FootingTest, WhateverIsMeasuredItIsBounded) {
+  for (int trial = 0; trial < 300; ++trial) {
+    Footing footing(trial % 3 == 0 ? stiff_ : robot_);
+    for (int tick = 0; tick < 10; ++tick) {
+      MotionSample now = samples()[random_.below(samples().size())];
+      State state = as_planned(now, {});
+      BySide<Wrench> wanted;
+      for (const Side side : kSides) {
+        state.sole[side] = {random_.coin() ? random_.wild_vector() : random_.vector(size_),
+                            rotation_exp(random_.vector(2.0))};
+        state.force[side] = {random_.wild_vector(), random_.wild_vector()};
+        if (random_.coin()) state.force[side] = {random_.vector(2.0 * weight_), random_.vector(size_ * weight_)};
+        wanted[side] = {random_.wild_vector(), random_.wild_vector()};
+        now.contact[side] = random_.coin();
+      }
+      footing.follow(now, state, wanted);
+      for (const Side side : kSides) {
+        const Footing::Offset& offset = footing.offset()[side];
+        ASSERT_TRUE(offset.p.allFinite() && offset.turn.allFinite());
+        ASSERT_LE(std::abs(offset.p.z()), kMostHeight * size_);
+        ASSERT_LE(offset.p.head<2>().norm(), kMostPlace * size_ * (1.0 + 1e-12));
+        ASSERT_LE(offset.turn.norm(), kMostTurn * (1.0 + 1e-12));
+        ASSERT_EQ(offset.turn.z(), 0.0);
+      }
+      kinematics_.set(now.q);
+      VecX q = now.q.tail(n_);
+      footing.apply(kinematics_, q);
+      for (int j = 0; j < n_; ++j) {
+        const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
+        ASSERT_GE(q[j], joint.position.lo) << joint.name;
+        ASSERT_LE(q[j], joint.position.hi) << joint.name;
+      }
+    }
+  }
+}
+
+TEST_P(FootingTest, ASoleYieldsToTheMomentThatIsTooMuch) {
+  for (int trial = 0; trial < 200; ++trial) {
+    const Side side = random_.coin() ? Side::left : Side::right;
+    const Vec3 way = random_.way();
+    const auto after = [&](const RobotModel& robot, double excess, int ticks) {
+      BySide<Wrench> force = halves_;
+      force[side].moment += excess * 0.5 * weight_ * size_ * way;
+      Footing footing(robot);
+      for (int tick = 0; tick < ticks; ++tick)
+        footing.follow(held_, as_planned(held_, force), halves_);
+      EXPECT_TRUE(nothing(footing.offset()[other(side)]));
+      EXPECT_TRUE(footing.offset()[side].p.isZero(0.0));
+      return footing.offset()[side].turn;
+    };
+    // Within the dead band nothing happens, however long; servos that only hold have none.
+    ASSERT_TRUE(after(robot_, random_(0.0, 0.03), second_).isZero(0.0));
+    for (const RobotModel* robot : {&robot_, &stiff_}) {
+      const double excess = robot == &stiff_ ? random_(0.001, 0.1) : random_(0.06, 0.15);
+      const Vec3 turn = after(*robot, excess, 10);
+      ASSERT_GT(turn.dot(way), 0.0);
+      ASSERT_LT(turn.cross(way).norm(), 1e-9 * turn.norm());
+      ASSERT_GT(after(*robot, 1.5 * excess, 10).norm(), turn.norm()) << "more, the more there is";
+      // It gives way: where the sole is pressed at goes up.
+      const Vec3 pressed = Vec3(0, 0, 1).cross(way);
+      ASSERT_GT((rotation_exp(turn) * pressed).z(), 0.0);
+    }
+  }
+}
+
+TEST_P(FootingTest, ASoleYieldsToTheForceThatIsTooMuch) {
+  for (int trial = 0; trial < 200; ++trial) {
+    const Side side = random_.coin() ? Side::left : Side::right;
+    const auto after = [&](const RobotModel& robot, double excess, int ticks) {
+      BySide<Wrench> force = halves_;
+      force[side].force.z() += excess * weight_;
+      Footing footing(robot);
+      for (int tick = 0; tick < ticks; ++tick)
+        footing.follow(held_, as_planned(held_, force), halves_);
+      const Footing::Offset& offset = footing.offset()[side];
+      EXPECT_TRUE(nothing(footing.offset()[other(side)]));
+      EXPECT_TRUE(offset.p.head<2>().isZero(0.0) && offset.turn.isZero(0.0));
+      return offset.p.z();
+    };
+    ASSERT_EQ(after(robot_, random_(-0.08, 0.08), second_), 0.0);
+    for (const RobotModel* robot : {&robot_, &stiff_}) {
+      const double excess = robot == &stiff_ ? random_(0.001, 0.4) : random_(0.15, 0.4);
+      ASSERT_GT(after(*robot, excess, 10), 0.0) << "up, out of the way";
+      ASSERT_LT(after(*robot, -excess, 10), 0.0) << "down, to where the ground is";
+    }
+  }
+}
+
+TEST_P(FootingTest, AFootInTheAirGoesBackAsTheOtherStands) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const Side up = random_.coin() ? Side::left : Side::right;
+    const bool inclined = random_.coin();  // the ground under the other
+    BySide<Footing::Offset> away{some_offset(), some_offset()};
+    if (!inclined) away[other(up)] = {};
+    State state = as_planned(held_, halves_);
+    for (const Side side : kSides)
+      state.sole[side] = displaced(held_.sole[side], away[side]);
+    Footing footing(robot_);
+    for (int tick = 0; tick < 2 * second_; ++tick)
+      footing.follow(held_, state, halves_);
+    ASSERT_GT(footing.offset()[up].p.norm(), 0.0);
+
+    MotionSample lifted = held_;
+    lifted.contact[up] = false;
+    BySide<Wrench> wanted;
+    wanted[other(up)] = load(1.0);
+    state.force = wanted;
+    double high = footing.offset()[up].p.norm();
+    for (int tick = 0; tick < 2 * second_; ++tick) {
+      state.sole[up] = {random_.vector(size_), rotation_exp(random_.vector(1.0))};  // wherever that is
+      footing.follow(lifted, state, wanted);
+      ASSERT_LT(footing.offset()[up].p.norm(), high) << "lower at every tick";
+      high = footing.offset()[up].p.norm();
+    }
+    EXPECT_LT(high, 1e-6 * size_);
+    EXPECT_LT((footing.offset()[up].turn - footing.offset()[other(up)].turn).norm(), 1e-6);
+    if (!inclined) {
+      EXPECT_TRUE(nothing(footing.offset()[other(up)]));
+    } else {
+      EXPECT_LT((footing.offset()[other(up)].turn - away[other(up)].turn).norm(), kLevel);
+    }
+  }
+}
+
+TEST_P(FootingTest, ASoleThatTipsOverItsEdgeSaysNothingAboutTheGround) {
+  for (int trial = 0; trial < 100; ++trial) {
+    const Side side = random_.coin() ? Side::left : Side::right;
+    Footing::Offset away = some_offset();
+    away.turn *= 0.04 / away.turn.norm();
+    const auto& vertices = robot_.sole(side).vertices();
+    const std::size_t i = random_.below(vertices.size());
+    const double along = random_(0.0, 1.0);
+    const Vec2 edge = (1.0 - along) * vertices[i] + along * vertices[(i + 1) % vertices.size()];
+    for (const double share : {0.97, 1.05, 0.3}) {  // just inside, beyond, and well within
+      State state = as_planned(held_, halves_);
+      state.sole[side] = displaced(held_.sole[side], away);
+      state.force[side] = load_at(0.5, state.sole[side], share * edge);
+      BySide<Wrench> wanted = halves_;
+      wanted[side] = state.force[side];  // it is as it should be: no reason to yield
+      Footing footing(robot_);
+      for (int tick = 0; tick < 2 * second_; ++tick)
+        footing.follow(held_, state, wanted);
+      const Footing::Offset& offset = footing.offset()[side];
+      if (share > 0.9) {
+        ASSERT_TRUE(offset.turn.isZero(0.0)) << share;
+      } else {
+        ASSERT_LT((offset.turn - away.turn).norm(), kLevel) << share;
+      }
+      ASSERT_LT((offset.p - away.p).norm(), kExact * size_) << "where it is counts all the same";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace baton

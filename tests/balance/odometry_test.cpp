@@ -1,0 +1,369 @@
+#include "baton/balance/odometry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "app/session.hpp"
+#include "baton/balance/state.hpp"
+#include "baton/ik/stand.hpp"
+#include "baton/model/error.hpp"
+#include "baton/robot/ideal_robot.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+using app::Session;
+using testing::HasSubstr;
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
+  std::size_t below(std::size_t n) { return engine_() % n; }
+  /// Somewhere on the floor, turned some way.
+  Pose on_the_floor() { return {Vec3((*this)(-2, 2), (*this)(-2, 2), 0.0), rotation_z((*this)(-M_PI, M_PI))}; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// One tick of a run: what was measured, the truth about the root with it, and what was planned.
+struct Moment {
+  Measurement measured;
+  MotionSample planned;
+};
+
+/// Joints that swing about where they begin, each at its own pace, from rest.
+class Sway {
+ public:
+  Sway(const VecX& about, double most, Random& random) : about_(about), by_(about.size()), pace_(about.size()) {
+    for (Eigen::Index j = 0; j < about.size(); ++j) {
+      by_[j] = random(-most, most);
+      pace_[j] = random(2.0, 8.0);
+    }
+  }
+  [[nodiscard]] VecX q(double t) const { return about_.array() + by_.array() * (1.0 - (pace_ * t).array().cos()); }
+  [[nodiscard]] VecX dq(double t) const { return by_.array() * pace_.array() * (pace_ * t).array().sin(); }
+  [[nodiscard]] VecX ddq(double t) const { return by_.array() * pace_.array().square() * (pace_ * t).array().cos(); }
+
+ private:
+  VecX about_, by_, pace_;
+};
+
+class OdometryTest : public testing::TestWithParam<std::string> {
+ protected:
+  /// Lives through a run, tick by tick.
+  static void live(Session& session, double seconds, const std::function<Command(double)>& stick,
+                   const std::function<void(const Moment&)>& on_tick) {
+    session.on_tick = [&](const TickRecord& record) { on_tick({record.measurement, record.navigator.sample()}); };
+    while (session.t() < seconds)
+      session.step(stick(session.t()));
+    session.on_tick = nullptr;
+    ASSERT_FALSE(session.fallen()) << session.truth().fall;
+  }
+
+  /// A run on ideal: every part is guided, at random, one after the other. Made once a process.
+  const std::vector<Moment>& wandering() {
+    static std::map<std::string, std::vector<Moment>> known;
+    std::vector<Moment>& run = known[GetParam()];
+    if (!run.empty()) return run;
+    Session session(robot_, world_, Session::On::ideal);
+    Random random(21);
+    Command command;
+    double until = 0.0;
+    const auto stick = [&](double t) {
+      if (t < until) return command;
+      command.guide = kParts[random.below(kParts.size())];
+      for (double& axis : command.axes)
+        axis = random(-1.0, 1.0);
+      until = t + 0.8;
+      return command;
+    };
+    live(session, 8.0, stick, [&](const Moment& moment) { run.push_back(moment); });
+    EXPECT_GT(session.navigator().committed(), 8);
+    return run;
+  }
+
+  /// Forward, without end.
+  static Command forward(double t) {
+    Command command;
+    if (t > 0.3) command.axes[0] = 1.0;
+    return command;
+  }
+
+  /// What it makes of the sensors alone: the root, which no sensor gives, is hidden from it.
+  static const Measurement& feed(Odometry& odometry, Measurement measured, const MotionSample& planned) {
+    measured.root.reset();
+    return odometry.update(measured, planned);
+  }
+
+  /// Both soles with some of the weight, in their middles.
+  [[nodiscard]] Measurement loaded(Measurement measured, double left, double right) const {
+    measured.sole.left = {Vec3(0, 0, left * weight_), Vec3::Zero()};
+    measured.sole.right = {Vec3(0, 0, right * weight_), Vec3::Zero()};
+    return measured;
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  const World world_ = World::load("flat");
+  const double size_ = robot_.profile().stance.com_height;
+  const double speed_ = std::sqrt(kGravity * size_);
+  const double period_ = robot_.profile().tick.period;
+  const double weight_ = robot_.mass() * kGravity;
+  const int n_ = robot_.nv() - 6;
+  const Posture home_ = stand(robot_, world_.site("start"), size_);
+  Random random_{12};
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, OdometryTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(OdometryTest, OnOneLegTheRootIsWhereTheLegSays) {
+  double fastest = 0.0;
+  for (int trial = 0; trial < 10; ++trial) {
+    const Posture start = stand(robot_, random_.on_the_floor(), size_);
+    const Sway sway(start.q.tail(n_), 0.05, random_);
+    IdealRobot body(robot_, start, period_);
+    Odometry odometry(robot_, world_, StateSource::sensors, start);
+    MotionSample planned = resting(robot_, start);
+    JointTarget target;
+    target.tau = VecX::Zero(n_);
+    target.contact = planned.contact = {trial % 2 == 0, trial % 2 == 1};
+    for (int tick = 0; tick < 200; ++tick) {
+      const Measurement truth = body.read();
+      const Measurement& found = feed(odometry, truth, planned);
+      ASSERT_TRUE(found.root);
+      ASSERT_LT((found.root->pose.p - truth.root->pose.p).norm(), 1e-6 * size_) << trial << " at " << tick;
+      ASSERT_LT((found.root->pose.R - truth.root->pose.R).norm(), 1e-9);
+      ASSERT_LT((found.root->velocity - truth.root->velocity).norm(), 1e-3 * speed_) << trial << " at " << tick;
+      ASSERT_LT((found.root->rate - truth.root->rate).norm(), 1e-9);
+      fastest = std::max(fastest, truth.root->velocity.norm());
+      const double t = (tick + 1) * period_;
+      target.q = sway.q(t);
+      target.dq = planned.dq.tail(n_) = sway.dq(t);
+      target.ddq = planned.ddq.tail(n_) = sway.ddq(t);
+      body.write(target);
+    }
+    EXPECT_FALSE(odometry.touch()[trial % 2 == 0 ? Side::right : Side::left]);
+  }
+  EXPECT_GT(fastest, 0.02 * speed_);
+}
+
+TEST_P(OdometryTest, WalkingOnIdealGroundItKnowsTheRoot) {
+  Session session(robot_, world_, Session::On::ideal);
+  Odometry odometry(robot_, world_, StateSource::sensors, home_);
+  Vec3 place = home_.q.head<3>();
+  live(session, 5.0, forward, [&](const Moment& moment) {
+    const Measurement& found = feed(odometry, moment.measured, moment.planned);
+    const RootMeasurement& truth = *moment.measured.root;
+    EXPECT_LT((found.root->pose.p - truth.pose.p).norm(), 1e-6 * size_) << moment.measured.t;
+    EXPECT_LT((found.root->velocity - truth.velocity).norm(), 1e-3 * speed_) << moment.measured.t;
+    place = truth.pose.p;
+  });
+  EXPECT_GT((place - home_.q.head<3>()).norm(), 0.5 * size_);
+}
+
+TEST_P(OdometryTest, WhateverTheStickAsksForItStraysNoFartherThanThePlanMay) {
+  // A sole that stands is moved by what inverse kinematics leaves, and heights are the ground's, not that sole's.
+  Odometry odometry(robot_, world_, StateSource::sensors, home_);
+  int on_one_leg = 0;
+  for (const Moment& moment : wandering()) {
+    const Measurement& found = feed(odometry, moment.measured, moment.planned);
+    const RootMeasurement& truth = *moment.measured.root;
+    ASSERT_LT((found.root->pose.p - truth.pose.p).norm(), robot_.profile().ik.position) << moment.measured.t;
+    ASSERT_LT((found.root->pose.R - truth.pose.R).norm(), 1e-9);
+    ASSERT_LT((found.root->velocity - truth.velocity).norm(), 1e-3 * speed_) << moment.measured.t;
+    ASSERT_LT((found.root->rate - truth.rate).norm(), 1e-9);
+    ASSERT_EQ(found.q, moment.measured.q);
+    on_one_leg += moment.planned.contact.left && moment.planned.contact.right ? 0 : 1;
+  }
+  EXPECT_GT(on_one_leg, 100);
+}
+
+TEST_P(OdometryTest, TorquesTellTheLoadsAsForcesDo) {
+  Odometry by_forces(robot_, world_, StateSource::sensors, home_);
+  Odometry by_torques(robot_, world_, StateSource::torques, home_);
+  std::vector<double> off;
+  for (const Moment& moment : wandering()) {
+    static_cast<void>(feed(by_forces, moment.measured, moment.planned));
+    Measurement no_forces = moment.measured;  // that it does not look at them
+    no_forces.sole = {};
+    const Measurement& found = feed(by_torques, no_forces, moment.planned);
+    if (moment.measured.t == 0.0) continue;  // no torque has been asked for yet
+    for (const Side side : kSides) {
+      off.push_back(std::abs(by_torques.load()[side] - by_forces.load()[side]) / weight_);
+      ASSERT_LT(off.back(), 0.2) << moment.measured.t;  // where accelerations jump from one tick to the next
+      ASSERT_LT((found.sole[side].force - moment.measured.sole[side].force).norm(), 0.25 * weight_);
+    }
+    ASSERT_LT((found.root->pose.p - moment.measured.root->pose.p).norm(), robot_.profile().ik.position);
+  }
+  std::sort(off.begin(), off.end());
+  EXPECT_LT(off[off.size() / 2], 0.005);
+  EXPECT_LT(off[off.size() * 99 / 100], 0.1);
+}
+
+TEST_P(OdometryTest, WhichWayTheImuTakesForNorthDoesNotMatter) {
+  Odometry straight(robot_, world_, StateSource::sensors, home_);
+  struct Turned {
+    Mat3 by;
+    Odometry odometry;
+  };
+  std::vector<Turned> all;
+  for (const double angle : {random_(-1.0, 1.0), random_(1.0, 3.0), random_(-3.0, -1.0), M_PI})
+    all.push_back({rotation_z(angle), Odometry(robot_, world_, StateSource::sensors, home_)});
+  for (const Moment& moment : wandering()) {
+    const Measurement& found = feed(straight, moment.measured, moment.planned);
+    for (Turned& turned : all) {
+      Measurement measured = moment.measured;
+      measured.imu.attitude = turned.by * measured.imu.attitude;
+      const Measurement& same = feed(turned.odometry, measured, moment.planned);
+      ASSERT_LT((same.root->pose.p - found.root->pose.p).norm(), 1e-9 * size_) << moment.measured.t;
+      ASSERT_LT((same.root->pose.R - found.root->pose.R).norm(), 1e-9);
+      ASSERT_LT((same.root->velocity - found.root->velocity).norm(), 1e-9 * speed_);
+      ASSERT_NEAR(turned.odometry.load().left, straight.load().left, 1e-9 * weight_);
+    }
+  }
+}
+
+TEST_P(OdometryTest, AFootThatTouchesNothingIsNotBelieved) {
+  const MotionSample held = resting(robot_, home_);  // as if both were to stand
+  const Measurement still = IdealRobot(robot_, home_, period_).read();
+  for (int trial = 0; trial < 10; ++trial) {
+    const Side moves = trial % 2 == 0 ? Side::left : Side::right;
+    const Sway sway(home_.q.tail(n_), 0.1, random_);
+    Odometry odometry(robot_, world_, StateSource::sensors, home_);
+    Odometry deceived(robot_, world_, StateSource::sensors, home_);
+    double misled = 0.0;
+    for (int tick = 0; tick < 200; ++tick) {
+      Measurement measured = still;
+      for (const int j : robot_.leg(moves)) {
+        measured.q[j] = sway.q(tick * period_)[j];
+        measured.dq[j] = sway.dq(tick * period_)[j];
+      }
+      MotionSample planned = held;
+      planned.dq.tail(n_) = measured.dq;
+      // It has left the ground; what makes it touch again is more than what made it leave.
+      const double light = tick < 50 ? random_(0.0, 0.02) : random_(0.0, 0.045);
+      const bool left = moves == Side::left;
+      const Measurement& found =
+          feed(odometry, loaded(measured, left ? light : 1.0 - light, left ? 1.0 - light : light), planned);
+      ASSERT_LT((found.root->pose.p - home_.q.head<3>()).norm(), 1e-6 * size_) << trial << " at " << tick;
+      ASSERT_LT(found.root->velocity.norm(), 1e-6 * speed_);
+      ASSERT_LT(odometry.slip(), 1e-6 * speed_);
+      ASSERT_FALSE(odometry.touch()[moves]);
+      ASSERT_TRUE(odometry.touch()[other(moves)]);
+      ASSERT_LE(odometry.load()[moves], light * weight_ + 1e-9 * weight_);
+      // With half of the weight on it, it is believed.
+      const Measurement& other_one = feed(deceived, loaded(measured, 0.5, 0.5), planned);
+      misled = std::max(misled, (other_one.root->pose.p - home_.q.head<3>()).norm());
+    }
+    EXPECT_GT(misled, 2e-3 * size_);
+  }
+}
+
+TEST_P(OdometryTest, HeightsAreSlowlyPulledToTheGround) {
+  const MotionSample held = resting(robot_, home_);
+  const Measurement still = IdealRobot(robot_, home_, period_).read();
+  const auto believed = [&](double higher) {
+    Posture start = home_;
+    start.q[2] += higher;
+    for (const Side side : kSides)
+      start.sole[side].p.z() += higher;
+    return start;
+  };
+  const int second = static_cast<int>(std::lround(1.0 / period_));
+  for (const double higher : {0.008 * size_, -0.008 * size_, random_(-0.02, 0.02) * size_}) {  // 2 mm, or some
+    Odometry odometry(robot_, world_, StateSource::sensors, believed(higher));
+    double off = std::abs(higher);
+    for (int tick = 0; tick < 5 * second; ++tick) {
+      const Vec3 error = feed(odometry, still, held).root->pose.p - home_.q.head<3>();
+      ASSERT_LT(error.head<2>().norm(), 1e-6 * size_);
+      ASSERT_LE(std::abs(error.z()), off + 1e-9 * size_) << tick;
+      off = std::abs(error.z());
+      if (tick < second / 20) {
+        ASSERT_GT(off, 0.9 * std::abs(higher)) << "a step, not a drift";
+      }
+    }
+    EXPECT_LT(off, 0.02 * std::abs(higher) + 1e-6 * size_);
+  }
+  // So far off it stands on something that is not on the map.
+  for (const double higher : {0.1 * size_, -0.1 * size_}) {
+    Odometry odometry(robot_, world_, StateSource::sensors, believed(higher));
+    Vec3 error = Vec3::Zero();
+    for (int tick = 0; tick < second; ++tick)
+      error = feed(odometry, still, held).root->pose.p - home_.q.head<3>();
+    EXPECT_NEAR(error.z(), higher, 1e-6 * size_);
+  }
+}
+
+TEST_P(OdometryTest, InPhysicsItStraysLittleAndItsDcmIsSmooth) {
+  Session session(robot_, world_, Session::On::sim);
+  Odometry odometry(robot_, world_, StateSource::sensors, home_);
+  Estimator estimator(robot_);
+  Estimator perfect(robot_);
+  const double omega = robot_.omega();
+  Vec3 error = Vec3::Zero();
+  double way = 0.0;
+  double worst = 0.0;
+  double squares = 0.0;
+  int ticks = 0;
+  live(session, 15.0, forward, [&](const Moment& moment) {
+    const Measurement& found = feed(odometry, moment.measured, moment.planned);
+    const RootMeasurement& truth = *moment.measured.root;
+    error = found.root->pose.p - truth.pose.p;
+    way = (truth.pose.p - home_.q.head<3>()).head<2>().norm();
+    EXPECT_LT(error.head<2>().norm(), 0.01 * (way + size_)) << moment.measured.t;
+    EXPECT_LT(std::abs(error.z()), 0.01 * size_) << moment.measured.t;
+    // Seen from the root, so that the way does not count.
+    const Vec3 dcm = estimator.update(found, Pose{}).dcm(omega) - found.root->pose.p;
+    const Vec3 true_dcm = perfect.update(moment.measured, Pose{}).dcm(omega) - truth.pose.p;
+    const double off = (dcm - true_dcm).head<2>().norm();
+    worst = std::max(worst, off);
+    squares += off * off;
+    ++ticks;
+  });
+  EXPECT_GT(way, 2.0 * size_);
+  EXPECT_LT(error.head<2>().norm(), 0.01 * way);
+  EXPECT_LT(std::sqrt(squares / ticks), 0.003 * size_);
+  EXPECT_LT(worst, 0.01 * size_);
+}
+
+TEST_P(OdometryTest, PerfectIsWhatIsMeasured) {
+  Odometry odometry(robot_, world_, StateSource::perfect, home_);
+  for (std::size_t k = 0; k < wandering().size(); k += 7) {
+    const Moment& moment = wandering()[k];
+    const Measurement& found = odometry.update(moment.measured, moment.planned);
+    ASSERT_EQ(found.root->pose.p, moment.measured.root->pose.p);
+    ASSERT_EQ(found.root->pose.R, moment.measured.root->pose.R);
+    ASSERT_EQ(found.root->velocity, moment.measured.root->velocity);
+    ASSERT_EQ(found.root->rate, moment.measured.root->rate);
+    ASSERT_EQ(found.dq, moment.measured.dq);
+  }
+}
+
+TEST_P(OdometryTest, WithoutAnImuOnTheRootOnlyAPerfectStateWillDo) {
+  Profile none = robot_.profile();
+  none.imu.clear();
+  Profile on_a_hand = robot_.profile();
+  on_a_hand.imu = on_a_hand.parts.hand[0];
+  for (const Profile& profile : {none, on_a_hand}) {
+    const RobotModel robot(profile);
+    for (const StateSource source : {StateSource::sensors, StateSource::torques}) {
+      try {
+        const Odometry odometry(robot, world_, source, home_);
+        FAIL() << "no InputError for " << to_string(source);
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("parts.imu"));
+        EXPECT_THAT(error.what(), HasSubstr(std::string(to_string(source))));
+      }
+    }
+    EXPECT_NO_THROW(Odometry(robot, world_, StateSource::perfect, home_));
+  }
+  EXPECT_NO_THROW(Odometry(robot_, world_, StateSource::sensors, home_));
+}
+
+}  // namespace
+}  // namespace baton

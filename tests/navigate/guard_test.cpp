@@ -1,0 +1,117 @@
+// A robot that falls, is stood up again, or is lifted off the ground.
+#include <gtest/gtest.h>
+
+#include "tests/navigate/trip.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+using test::Trip;
+
+class GuardTest : public testing::TestWithParam<std::string> {
+ protected:
+  /// Ticks with what the ideal robot measures, changed, and `command`, planned for.
+  template <typename Change>
+  void tick(double seconds, const Command& command, Change change) {
+    for (long k = std::lround(seconds / robot_.profile().tick.period); k > 0; --k) {
+      Measurement measurement = trip_.body().read();
+      change(measurement);
+      const JointTarget& target = trip_.navigator().tick(measurement, command);
+      soft_ = target.tau.isZero(0.0) && target.dq.isZero(0.0) && target.q == measurement.q;
+      if (const auto problem = trip_.navigator().request()) trip_.navigator().offer(trip_.planning().plan(*problem));
+    }
+  }
+  void tick(double seconds, const Command& command) {
+    tick(seconds, command, [](Measurement&) {});
+  }
+
+  static void tip(Measurement& m) { m.imu.attitude = rotation_exp(Vec3(0.0, 1.0, 0.0)) * m.imu.attitude; }
+  static void lift(Measurement& m) { m.sole = {}; }
+
+  [[nodiscard]] static Command forward() {
+    Command command;
+    command.axes[0] = 1.0;
+    return command;
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  Trip trip_{robot_};
+  bool soft_ = false;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, GuardTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(GuardTest, AFallClearsThePlanAndTheMotorsGoSoft) {
+  tick(0.3, {});
+  EXPECT_EQ(trip_.navigator().guard(), Guard::armed);
+  const long before = trip_.navigator().committed();
+  tick(1.0, forward(), tip);
+  EXPECT_EQ(trip_.navigator().guard(), Guard::fallen);
+  EXPECT_EQ(trip_.navigator().phase(), Phase::fallen);
+  EXPECT_EQ(trip_.navigator().motion(), nullptr);
+  EXPECT_EQ(trip_.navigator().committed(), before);
+  EXPECT_TRUE(soft_);
+}
+
+TEST_P(GuardTest, StoodUpAgainItIsArmedFromACentredStickOnly) {
+  tick(0.3, {});
+  tick(0.1, {}, tip);
+  tick(0.5, {});
+  EXPECT_EQ(trip_.navigator().guard(), Guard::fallen) << "it has to stand still for a while first";
+  tick(2.0, forward());
+  EXPECT_EQ(trip_.navigator().guard(), Guard::stood_up);
+  EXPECT_TRUE(soft_);
+  EXPECT_EQ(trip_.navigator().committed(), 0);
+  tick(0.05, {});
+  EXPECT_EQ(trip_.navigator().guard(), Guard::armed);
+  EXPECT_FALSE(soft_);
+  EXPECT_EQ(trip_.navigator().history(), 0u) << "what was done before the fall does not lead back";
+  tick(0.2, forward());
+  EXPECT_GE(trip_.navigator().committed(), 1);
+}
+
+TEST_P(GuardTest, NotStoodUpWellItStaysSoft) {
+  tick(0.1, {}, tip);
+  // Upright, but one foot carries nothing.
+  tick(3.0, {}, [](Measurement& m) { m.sole.left = {}; });
+  EXPECT_EQ(trip_.navigator().guard(), Guard::fallen);
+  EXPECT_TRUE(soft_);
+}
+
+TEST_P(GuardTest, LiftedOffTheGroundItDoesNotWalkInTheAir) {
+  tick(0.3, {});
+  tick(0.3, {}, lift);
+  EXPECT_EQ(trip_.navigator().guard(), Guard::lifted);
+  tick(1.0, forward(), lift);
+  tick(1.0, forward());
+  EXPECT_EQ(trip_.navigator().committed(), 0) << "put down, but the stick was not let go of";
+  tick(0.3, {});
+  EXPECT_EQ(trip_.navigator().guard(), Guard::armed);
+  tick(0.2, forward());
+  EXPECT_GE(trip_.navigator().committed(), 1);
+}
+
+TEST_P(GuardTest, WhoIsPushedBeginsNothingUntilItIsBack) {
+  tick(0.3, {});
+  const double off = 0.03 * robot_.profile().stance.com_height;
+  // Its joints are elsewhere: the whole body leans over its ankles.
+  const auto pushed = [&](Measurement& m) {
+    for (const Side side : kSides) {
+      const int ankle = robot_.leg(side)[robot_.leg(side).size() - 2];
+      m.q[ankle] += off / robot_.profile().stance.com_height;
+    }
+    m.imu.attitude = rotation_exp(Vec3(0.0, off / robot_.profile().stance.com_height, 0.0)) * m.imu.attitude;
+  };
+  tick(0.1, {}, pushed);
+  ASSERT_TRUE(trip_.navigator().disturbed());
+  tick(1.0, forward(), pushed);
+  EXPECT_EQ(trip_.navigator().committed(), 0);
+  tick(0.5, {});
+  EXPECT_FALSE(trip_.navigator().disturbed());
+  tick(0.1, forward());
+  EXPECT_GE(trip_.navigator().committed(), 1);
+}
+
+}  // namespace
+}  // namespace baton
