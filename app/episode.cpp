@@ -19,10 +19,10 @@ constexpr long kRetraced = 5;          ///< motions back at the end, at most
 constexpr double kSamePlace = 0.005;   ///< [m] from the rest that it leads back to
 constexpr double kSameTurn = 0.02;     ///< [rad]
 
-/// In physics soles sink, and the planning frame is laid on them.
+/// In physics soles sink, and the planning frame is laid on where they are believed to be.
 Checker::Tolerances tolerances(Session::On on) {
   Checker::Tolerances tolerances;
-  if (on == Session::On::sim) tolerances.sink = 5e-4;
+  if (on == Session::On::sim) tolerances.sink = 1e-3;
   return tolerances;
 }
 

@@ -80,6 +80,7 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   const double way = M_PI * dice.axis();
   Plant plant;
   plant.seed = mixed_seed(seed, 78);
+  plant.tile_side *= height / kHeight;
   const auto single_push = [&](double size, double angle) {
     const double instant = static_cast<double>(seed / kDirections % 20);
     plant.pushes = {{kSettled + kInstants * instant, 0.05, horizontal(angle, size * impulse)}};

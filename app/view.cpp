@@ -6,6 +6,12 @@
 #include "baton/record/trace.hpp"
 
 namespace baton::app {
+namespace {
+
+constexpr double kShows = 0.2;  ///< of being pushed off its way before the operator is told [s]
+
+}  // namespace
+
 View::View(const Session& session, int port)
     : scene_(compile_text(session.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
@@ -68,7 +74,14 @@ void View::show(const Session& session, const DeviceStatus& device) {
   frame.refusals = refusals_;
   frame.refused_in_a_row = nav.refused_in_a_row();
   frame.fallen = session.fallen();
-  if (frame.fallen) frame.message = "The robot fell: " + truth.fall + ".";
+  if (!nav.disturbed()) steady_ = session.t();
+  if (frame.fallen) {
+    frame.message = "The robot fell: " + truth.fall + ".";
+  } else if (nav.guard() == Guard::lifted) {
+    frame.message = "Lifted off the ground: it goes on when it stands again and the stick was let go of.";
+  } else if (session.t() - steady_ > kShows) {
+    frame.message = "Pushed off its way: it begins nothing new until it is back.";
+  }
   cockpit_.publish(std::move(frame));
 }
 

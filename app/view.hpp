@@ -24,6 +24,7 @@ class View {
   DataPtr data_;
   Cockpit cockpit_;
   double shown_ = -1.0;
+  double steady_ = 0.0;  ///< when it was last not pushed off its way [s]
   double segment_start_ = 0.0;
   long segment_ = -1;
   int refusals_ = 0;

@@ -57,14 +57,17 @@ Footing::Footing(const RobotModel& robot)
       weight_(robot.mass() * kGravity),
       rows_(6, robot.nv()) {}
 
-void Footing::follow(const MotionSample& now, const State& state, const BySide<Wrench>& wanted) {
+void Footing::follow(const MotionSample& now, const MotionSample& next, const State& state,
+                     const BySide<Wrench>& wanted) {
   BySide<double> carries;
   for (const Side side : kSides) {
     const double load = state.force[side].force.z() / weight_;
     carries[side] = load < kCarries ? 0.0 : std::clamp(load / kFull, 0.0, 1.0);
   }
   for (const Side side : kSides) {
-    if (carries[side] > 0.0) {
+    // A foot on its way down follows ground that comes early; one on its way up must not cling to what it leaves.
+    const bool lands = next.sole[side].p.z() < now.sole[side].p.z();
+    if ((now.contact[side] || lands) && carries[side] > 0.0) {
       follow_ground(side, carries[side], now, state, wanted[side]);
     } else if (!now.contact[side]) {
       // In the air: back to the plan, inclined as the other one stands.

@@ -13,8 +13,9 @@ class Footing {
 
   /// Brings the offsets up to date, once a tick.
   /// @param now planned sample at the time of the measurement
+  /// @param next planned sample a tick later
   /// @param wanted what each sole should carry then, axes of the planning frame, moment about its centre
-  void follow(const MotionSample& now, const State& state, const BySide<Wrench>& wanted);
+  void follow(const MotionSample& now, const MotionSample& next, const State& state, const BySide<Wrench>& wanted);
 
   /// Adds to the joint angles what takes the soles there; within the joints' ranges.
   /// @param kinematics set to the planned configuration
@@ -32,7 +33,7 @@ class Footing {
   /// Rates are [1/s].
   struct Rates {
     double height = 15.0;       ///< at which the height of a sole that carries is followed
-    double early = 30.0;        ///< the same, if it should still be in the air
+    double early = 30.0;        ///< the same of a foot on its way down, whose ground comes early
     double place = 8.0;         ///< its horizontal place
     double turn = 8.0;          ///< its inclination
     double yield_turn = 8.0;    ///< [rad/s] by a moment too much of weight × COM height

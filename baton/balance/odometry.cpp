@@ -125,7 +125,8 @@ void Odometry::smooth_speeds(const Measurement& measurement, const MotionSample&
 
 void Odometry::measure_soles(const Measurement& measurement, const MotionSample& planned, const Vec3& ddroot,
                              const Vec3& drate) {
-  if (source_ == StateSource::torques) {
+  if (source_ == StateSource::torques) completed_.sole = {};  // not told: it carries nothing
+  if (source_ == StateSource::torques && measurement.torque.size() == measurement.q.size()) {
     // Of each leg: what inverse dynamics asks of its joints and the motors do not give comes from the ground.
     ddq_.head<3>() = ddroot;
     ddq_.segment<3>(3) = completed_.root->pose.R.transpose() * drate;

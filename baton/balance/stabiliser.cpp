@@ -23,7 +23,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   const double omega = robot_->omega();
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
   if (!std::exchange(first_, false)) {
-    footing_.follow(now, state, wanted_);
+    footing_.follow(now, next, state, wanted_);
     integrate(state);
   }
   kinematics_.set(next.q);

@@ -24,16 +24,18 @@ constexpr double kSameStick = 0.05;       ///< change of an axis or lift that do
 constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kSameRest = 1e-5;        ///< of a joint [rad]
 constexpr double kTube = 0.02;            ///< error of the DCM with which nothing new is begun [COM height]
-constexpr double kFallenTilt = 0.8;       ///< [rad] from which a fall is certain
-constexpr double kFallenHeight = 0.5;     ///< share of the nominal COM height below which it is
-constexpr double kLifted = 0.1;           ///< share of the weight on the soles below which the robot is held by someone
-constexpr double kStands = 0.5;           ///< share from which it stands again
-constexpr double kSure = 0.15;            ///< for which that has to last [s]
-constexpr double kStill = 1.0;            ///< for which a robot that has been stood up has to be still [s]
-constexpr double kStillSpeed = 0.1;       ///< and its COM no faster [COM heights/s]
-constexpr double kEachCarries = 0.2;      ///< each sole with so much of the weight
-constexpr double kFlat = 0.1;             ///< and no more inclined [rad]
-constexpr double kBack = 0.01;            ///< error below which it is again
+constexpr double kInPlace = 1e-3;  ///< soles of a robot at rest that are not farther off are in place [COM height, rad]
+constexpr double kSettles = 3.0;   ///< rate at which the planning frame follows others [1/s]
+constexpr double kFallenTilt = 0.8;    ///< [rad] from which a fall is certain
+constexpr double kFallenHeight = 0.5;  ///< share of the nominal COM height below which it is
+constexpr double kLifted = 0.1;        ///< share of the weight on the soles below which the robot is held by someone
+constexpr double kStands = 0.5;        ///< share from which it stands again
+constexpr double kSure = 0.15;         ///< for which that has to last [s]
+constexpr double kStill = 1.0;         ///< for which a robot that has been stood up has to be still [s]
+constexpr double kStillSpeed = 0.1;    ///< and its COM no faster [COM heights/s]
+constexpr double kEachCarries = 0.2;   ///< each sole with so much of the weight
+constexpr double kFlat = 0.1;          ///< and no more inclined [rad]
+constexpr double kBack = 0.01;         ///< error below which it is again
 
 /// Sample at which the last phase begins.
 int last_phase_of(const Motion& motion) {
@@ -258,7 +260,17 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
     soft_.q = measurement.q;
     return soft_;
   }
-  return stabiliser_.target(*sample_, next, *state_);
+  const JointTarget& target = stabiliser_.target(*sample_, next, *state_);
+  if (!motion_) settle();
+  return target;
+}
+
+void Navigator::settle() {
+  const Pose slid = anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  const double yaw = yaw_of(slid.R);
+  if (slid.p.norm() < kInPlace * robot_->profile().stance.com_height && std::abs(yaw) < kInPlace) return;
+  const double share = std::min(1.0, kSettles * robot_->profile().tick.period);
+  anchor_ = anchor_ * Pose{share * slid.p, rotation_z(share * yaw)};
 }
 
 std::optional<Problem> Navigator::request() {

@@ -138,6 +138,7 @@ class Navigator {
   [[nodiscard]] const MotionSample& sample() const { return *sample_; }
   [[nodiscard]] const State& state() const { return *state_; }
   [[nodiscard]] const Odometry& odometry() const { return odometry_; }
+  [[nodiscard]] const Stabiliser& stabiliser() const { return stabiliser_; }
   [[nodiscard]] const Correction& correction() const { return stabiliser_.correction(); }
   [[nodiscard]] const Pose& anchor() const { return anchor_; }
   /// The committed motion, or null in hold.
@@ -159,6 +160,8 @@ class Navigator {
   [[nodiscard]] bool stands_upright() const;
   /// Whether its COM is where it may rest.
   [[nodiscard]] bool supported() const;
+  /// At rest: lays the planning frame on where the soles are, little by little.
+  void settle();
   /// Begins anew from where the robot stands, after a fall.
   void begin_anew();
   void end_of_motion();

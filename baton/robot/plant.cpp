@@ -10,9 +10,8 @@
 namespace baton {
 namespace {
 
-constexpr double kTile = 0.05;      ///< half the length of a tile's sides [m]
-constexpr int kTiles = 40;          ///< in each direction
-constexpr double kLevelAround = 2;  ///< tiles around the start that are level
+constexpr int kTiles = 40;  ///< in each direction
+constexpr int kLevel = 2;   ///< tiles around the start, in each direction, that are level
 
 Pose pose_of(const double* pos, const double* quat) {
   return {Eigen::Map<const Vec3>(pos),
@@ -35,19 +34,21 @@ void add_tiles(mjsBody& world, const Plant& plant, const Vec3& at) {
   if (plane == nullptr || plane->type != mjGEOM_PLANE || mjs_nextChild(&world, only, 0) != nullptr) {
     throw InputError("tiles need a world whose ground is one plane and nothing else");
   }
+  const double ground = plane->pos[2];
+  const double half = 0.5 * plant.tile_side;
   plane->pos[2] -= 2.0 * plant.tiles;
   std::mt19937_64 random(plant.seed);
   std::uniform_real_distribution<double> height(-plant.tiles, plant.tiles);
   for (int i = -kTiles / 2; i < kTiles / 2; ++i) {
     for (int k = -kTiles / 2; k < kTiles / 2; ++k) {
-      const double x = (2 * i + 1) * kTile;
-      const double y = (2 * k + 1) * kTile;
-      const double top = std::max(std::abs(x), std::abs(y)) < kLevelAround * kTile ? 0.0 : height(random);
+      const double x = (2 * i + 1) * half;
+      const double y = (2 * k + 1) * half;
+      const double top = std::max(std::abs(x), std::abs(y)) < 2 * kLevel * half ? 0.0 : height(random);
       mjsGeom* tile = mjs_addGeom(&world, nullptr);
       mjs_setName(tile->element, fmt::format("ground_tile_{}_{}", i, k).c_str());
       tile->type = mjGEOM_BOX;
-      Eigen::Map<Vec3>(tile->size) = Vec3(kTile, kTile, kTile);
-      Eigen::Map<Vec3>(tile->pos) = Vec3(at.x() + x, at.y() + y, top - kTile);
+      Eigen::Map<Vec3>(tile->size) = Vec3(half, half, half);
+      Eigen::Map<Vec3>(tile->pos) = Vec3(at.x() + x, at.y() + y, ground + top - half);
     }
   }
 }

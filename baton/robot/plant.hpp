@@ -31,6 +31,7 @@ struct Plant {
   Vec3 imu_bias = Vec3::Zero();    ///< rotation vector by which its attitude is off, in the world [rad]
   Vec3 tilt = Vec3::Zero();        ///< rotation vector of the ground about the robot's start [rad]
   double tiles = 0.0;              ///< the ground is of tiles, each higher or lower by up to this [m]
+  double tile_side = 0.1;          ///< of a tile [m]
   std::vector<Push> pushes;
   std::uint64_t seed = 0;  ///< of noise and tiles
 

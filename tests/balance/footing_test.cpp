@@ -111,7 +111,7 @@ TEST_P(FootingTest, WhereEverythingIsAsPlannedNothingIsAdded) {
     Footing footing(*robot);
     for (const MotionSample& sample : samples()) {
       const BySide<Wrench> wanted = wanted_by(sample);
-      footing.follow(sample, as_planned(sample, wanted), wanted);
+      footing.follow(sample, sample, as_planned(sample, wanted), wanted);
       for (const Side side : kSides)
         ASSERT_TRUE(nothing(footing.offset()[side]));
       const VecX planned = sample.q.tail(n_);
@@ -132,11 +132,16 @@ TEST_P(FootingTest, SolesThatStandElsewhereAreFollowedThere) {
     State state = as_planned(now, wanted);
     for (const Side side : kSides)
       state.sole[side] = displaced(now.sole[side], away[side]);
-    now.contact[trial % 2 == 0 ? Side::left : Side::right] = random_.coin();  // it may stand sooner than planned
+    MotionSample next = now;
+    if (random_.coin()) {  // it stands sooner than planned, on its way down
+      const Side early = trial % 2 == 0 ? Side::left : Side::right;
+      now.contact[early] = next.contact[early] = false;
+      next.sole[early].p.z() -= 1e-3 * size_;
+    }
     Footing footing(robot_);
     BySide<double> off{size_of(away.left), size_of(away.right)};
     for (int tick = 0; tick < 3 * second_; ++tick) {
-      footing.follow(now, state, wanted);
+      footing.follow(now, next, state, wanted);
       for (const Side side : kSides) {
         const Footing::Offset& offset = footing.offset()[side];
         const double still = size_of({away[side].p - offset.p, away[side].turn - offset.turn});
@@ -161,7 +166,7 @@ TEST_P(FootingTest, TheLegsTakeTheSolesThere) {
       state.sole[side] = displaced(held_.sole[side], some_offset());
     Footing footing(robot_);
     for (int tick = 0; tick < 2 * second_; ++tick)
-      footing.follow(held_, state, halves_);
+      footing.follow(held_, held_, state, halves_);
     for (std::size_t k = static_cast<std::size_t>(trial); k < samples().size(); k += 10) {
       const MotionSample& sample = samples()[k];
       kinematics_.set(sample.q);
@@ -208,7 +213,10 @@ TEST_P(FootingTest, WhateverIsMeasuredItIsBounded) {
         wanted[side] = {random_.wild_vector(), random_.wild_vector()};
         now.contact[side] = random_.coin();
       }
-      footing.follow(now, state, wanted);
+      MotionSample next = now;
+      for (const Side side : kSides)
+        next.sole[side].p += random_.vector(0.01 * size_);
+      footing.follow(now, next, state, wanted);
       for (const Side side : kSides) {
         const Footing::Offset& offset = footing.offset()[side];
         ASSERT_TRUE(offset.p.allFinite() && offset.turn.allFinite());
@@ -238,7 +246,7 @@ TEST_P(FootingTest, ASoleYieldsToTheMomentThatIsTooMuch) {
       force[side].moment += excess * 0.5 * weight_ * size_ * way;
       Footing footing(robot);
       for (int tick = 0; tick < ticks; ++tick)
-        footing.follow(held_, as_planned(held_, force), halves_);
+        footing.follow(held_, held_, as_planned(held_, force), halves_);
       EXPECT_TRUE(nothing(footing.offset()[other(side)]));
       EXPECT_TRUE(footing.offset()[side].p.isZero(0.0));
       return footing.offset()[side].turn;
@@ -266,7 +274,7 @@ TEST_P(FootingTest, ASoleYieldsToTheForceThatIsTooMuch) {
       force[side].force.z() += excess * weight_;
       Footing footing(robot);
       for (int tick = 0; tick < ticks; ++tick)
-        footing.follow(held_, as_planned(held_, force), halves_);
+        footing.follow(held_, held_, as_planned(held_, force), halves_);
       const Footing::Offset& offset = footing.offset()[side];
       EXPECT_TRUE(nothing(footing.offset()[other(side)]));
       EXPECT_TRUE(offset.p.head<2>().isZero(0.0) && offset.turn.isZero(0.0));
@@ -292,7 +300,7 @@ TEST_P(FootingTest, AFootInTheAirGoesBackAsTheOtherStands) {
       state.sole[side] = displaced(held_.sole[side], away[side]);
     Footing footing(robot_);
     for (int tick = 0; tick < 2 * second_; ++tick)
-      footing.follow(held_, state, halves_);
+      footing.follow(held_, held_, state, halves_);
     ASSERT_GT(footing.offset()[up].p.norm(), 0.0);
 
     MotionSample lifted = held_;
@@ -303,7 +311,7 @@ TEST_P(FootingTest, AFootInTheAirGoesBackAsTheOtherStands) {
     double high = footing.offset()[up].p.norm();
     for (int tick = 0; tick < 2 * second_; ++tick) {
       state.sole[up] = {random_.vector(size_), rotation_exp(random_.vector(1.0))};  // wherever that is
-      footing.follow(lifted, state, wanted);
+      footing.follow(lifted, lifted, state, wanted);
       ASSERT_LT(footing.offset()[up].p.norm(), high) << "lower at every tick";
       high = footing.offset()[up].p.norm();
     }
@@ -313,6 +321,36 @@ TEST_P(FootingTest, AFootInTheAirGoesBackAsTheOtherStands) {
       EXPECT_TRUE(nothing(footing.offset()[other(up)]));
     } else {
       EXPECT_LT((footing.offset()[other(up)].turn - away[other(up)].turn).norm(), kLevel);
+    }
+  }
+}
+
+TEST_P(FootingTest, AFootOnItsWayUpDoesNotClingToWhatItLeaves) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const Side up = random_.coin() ? Side::left : Side::right;
+    const Footing::Offset away = some_offset();
+    State state = as_planned(held_, halves_);
+    state.sole[up] = displaced(held_.sole[up], away);
+    MotionSample lifted = held_;
+    lifted.contact[up] = false;
+    for (const double rise : {0.0, random_(1e-5, 1e-3) * size_}) {  // it is held up there, or rises
+      Footing footing(robot_);
+      for (int tick = 0; tick < second_; ++tick)
+        footing.follow(held_, held_, state, halves_);
+      MotionSample next = lifted;
+      next.sole[up].p.z() += rise;
+      double high = footing.offset()[up].p.norm();
+      for (int tick = 0; tick < second_; ++tick) {
+        footing.follow(lifted, next, state, halves_);  // though it still carries
+        ASSERT_LT(footing.offset()[up].p.norm(), high);
+        high = footing.offset()[up].p.norm();
+      }
+      EXPECT_LT(high, 1e-4 * size_);
+      // On its way down it follows.
+      next.sole[up].p.z() = lifted.sole[up].p.z() - 1e-4 * size_;
+      for (int tick = 0; tick < 2 * second_; ++tick)
+        footing.follow(lifted, next, state, halves_);
+      EXPECT_LT((footing.offset()[up].p - away.p).norm(), kExact * size_);
     }
   }
 }
@@ -334,7 +372,7 @@ TEST_P(FootingTest, ASoleThatTipsOverItsEdgeSaysNothingAboutTheGround) {
       wanted[side] = state.force[side];  // it is as it should be: no reason to yield
       Footing footing(robot_);
       for (int tick = 0; tick < 2 * second_; ++tick)
-        footing.follow(held_, state, wanted);
+        footing.follow(held_, held_, state, wanted);
       const Footing::Offset& offset = footing.offset()[side];
       if (share > 0.9) {
         ASSERT_TRUE(offset.turn.isZero(0.0)) << share;

@@ -124,7 +124,8 @@ INSTANTIATE_TEST_SUITE_P(Robots, OdometryTest, testing::ValuesIn(test::robot_nam
 TEST_P(OdometryTest, OnOneLegTheRootIsWhereTheLegSays) {
   double fastest = 0.0;
   for (int trial = 0; trial < 10; ++trial) {
-    const Posture start = stand(robot_, random_.on_the_floor(), size_);
+    // By forward kinematics, so that the soles are where the joints say, to rounding.
+    const Posture start = posture_of(robot_, stand(robot_, random_.on_the_floor(), size_).q);
     const Sway sway(start.q.tail(n_), 0.05, random_);
     IdealRobot body(robot_, start, period_);
     Odometry odometry(robot_, world_, StateSource::sensors, start);
@@ -186,23 +187,33 @@ TEST_P(OdometryTest, WhateverTheStickAsksForItStraysNoFartherThanThePlanMay) {
 TEST_P(OdometryTest, TorquesTellTheLoadsAsForcesDo) {
   Odometry by_forces(robot_, world_, StateSource::sensors, home_);
   Odometry by_torques(robot_, world_, StateSource::torques, home_);
-  std::vector<double> off;
+  std::vector<double> each;
+  std::vector<double> both;
   for (const Moment& moment : wandering()) {
     static_cast<void>(feed(by_forces, moment.measured, moment.planned));
     Measurement no_forces = moment.measured;  // that it does not look at them
     no_forces.sole = {};
     const Measurement& found = feed(by_torques, no_forces, moment.planned);
     if (moment.measured.t == 0.0) continue;  // no torque has been asked for yet
+    const auto off = [&](Side side) { return (by_torques.load()[side] - by_forces.load()[side]) / weight_; };
+    both.push_back(std::abs(off(Side::left) + off(Side::right)));
+    ASSERT_LT(both.back(), 0.1) << moment.measured.t;
     for (const Side side : kSides) {
-      off.push_back(std::abs(by_torques.load()[side] - by_forces.load()[side]) / weight_);
-      ASSERT_LT(off.back(), 0.2) << moment.measured.t;  // where accelerations jump from one tick to the next
-      ASSERT_LT((found.sole[side].force - moment.measured.sole[side].force).norm(), 0.25 * weight_);
+      each.push_back(std::abs(off(side)));
+      if (moment.planned.contact.left && moment.planned.contact.right) continue;
+      // On one leg there is but one way to share.
+      ASSERT_LT(each.back(), 0.1) << moment.measured.t;
+      ASSERT_LT((found.sole[side].force - moment.measured.sole[side].force).norm(), 0.1 * weight_);
     }
     ASSERT_LT((found.root->pose.p - moment.measured.root->pose.p).norm(), robot_.profile().ik.position);
   }
-  std::sort(off.begin(), off.end());
-  EXPECT_LT(off[off.size() / 2], 0.005);
-  EXPECT_LT(off[off.size() * 99 / 100], 0.1);
+  // Forces are what a tick took on average, torques are made for its end. While accelerations change quickly, that
+  // moves the ZMP, and with it the load from one sole to the other.
+  for (std::vector<double>* all : {&both, &each})
+    std::sort(all->begin(), all->end());
+  EXPECT_LT(both[both.size() * 99 / 100], 0.02);
+  EXPECT_LT(each[each.size() / 2], 0.005);
+  EXPECT_LT(each[each.size() * 99 / 100], 0.15);
 }
 
 TEST_P(OdometryTest, WhichWayTheImuTakesForNorthDoesNotMatter) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 
 #include "app/session.hpp"
 #include "baton/ik/stand.hpp"
@@ -306,7 +305,6 @@ TEST_P(PlantTest, TheSameSeedGivesTheSameBits) {
     Plant plant;
     plant.encoder_noise = 0.002;
     plant.force_noise = 0.05;
-    plant.tiles = 0.005 * size_;
     plant.seed = seed;
     SimulatedRobot body = make(plant);
     std::vector<double> all;
@@ -485,10 +483,10 @@ TEST_P(PlantTest, TheGroundIsTurnedAboutTheStartAndTheRobotWithIt) {
     plant.tilt = random_.horizontal(random_(0.01, 0.1));
     const Mat3 tilt = rotation_exp(plant.tilt);
     const Posture start = stand(robot_, random_.on_the_floor(), size_);
-    const SimulatedRobot body(robot_, world_, start, period_, with(plant));
+    SimulatedRobot body(robot_, world_, start, period_, with(plant));
     const Pose ground = pose_of_geom(body, find_id(body.model(), mjOBJ_GEOM, "ground_floor", "test"));
     EXPECT_LT((ground.R.col(2) - tilt.col(2)).norm(), 1e-5);
-    EXPECT_NEAR(ground.R.col(2).dot(middle(start) - ground.p), 0.0, 2e-5 * size_) << "the start stays";
+    EXPECT_NEAR(ground.R.col(2).dot(middle(start) - ground.p), 0.0, 1e-4 * size_) << "the start stays";
     // Both soles lie on it, and the robot stands as it was to.
     kinematics_.set(body.truth().q);
     for (const Side side : kSides) {
