@@ -45,8 +45,11 @@ Odometry::Odometry(const RobotModel& robot, const World& world, StateSource sour
 const Measurement& Odometry::update(const Measurement& measurement, const MotionSample& planned) {
   completed_ = measurement;
   if (source_ == StateSource::perfect) {
+    // Without sensors under the soles, it is taken to stand as planned.
+    const bool senses = !measurement.sole.left.force.isZero(0.0) || !measurement.sole.right.force.isZero(0.0);
+    const double each = robot_->mass() * kGravity / (planned.contact.left && planned.contact.right ? 2.0 : 1.0);
     for (const Side side : kSides)
-      load_[side] = measurement.sole[side].force.z();
+      load_[side] = senses ? measurement.sole[side].force.z() : planned.contact[side] ? each : 0.0;
     note_touch();
     return completed_;
   }
