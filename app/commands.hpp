@@ -91,7 +91,7 @@ struct SoakOptions {
   std::optional<long> seeds;      ///< of a scenario
   std::optional<double> episode;  ///< simulated time from one fresh start to the next [s]
   bool resume = false;
-  std::optional<std::filesystem::path> report;  ///< required
+  std::optional<std::filesystem::path> report;  ///< needed but with a scenario
 };
 
 struct ReplayOptions {

@@ -111,9 +111,7 @@ void Footing::apply(const Kinematics& kinematics, VecX& q) {
   for (const Side side : kSides) {
     const Offset& offset = offset_[side];
     if (offset.p.isZero(0.0) && offset.turn.isZero(0.0)) continue;
-    const int foot = robot_->foot_body(side);
-    kinematics.point_jacobian(foot, kinematics.sole(side).p, rows_.topRows(3));
-    kinematics.rotation_jacobian(foot, rows_.bottomRows(3));
+    kinematics.sole_jacobian(side, rows_);
     Vec6 wanted;
     wanted << offset.p, offset.turn;
     Eigen::Matrix<double, 6, 6> gram = kDamping * Eigen::Matrix<double, 6, 6>::Identity();

@@ -71,9 +71,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   rate_before_ = rate;
 
   smooth_speeds(measurement, planned);
-  const Eigen::Quaterniond attitude(root.pose.R);
-  q_.head<3>().setZero();
-  q_.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  set_root(q_, {Vec3::Zero(), root.pose.R});
   q_.tail(robot_->nv() - 6) = measurement.q;
   dq_.segment<3>(3) = root.rate;
   dq_.tail(robot_->nv() - 6) = completed_.dq;
@@ -137,8 +135,7 @@ void Odometry::measure_soles(const Measurement& measurement, const MotionSample&
     kinematics_.inverse_dynamics(q_, dq_, ddq_, force_);
     for (const Side side : kSides) {
       const Pose sole = kinematics_.sole(side);
-      kinematics_.point_jacobian(robot_->foot_body(side), sole.p, jacobian_.topRows(3));
-      kinematics_.rotation_jacobian(robot_->foot_body(side), jacobian_.bottomRows(3));
+      kinematics_.sole_jacobian(side, jacobian_);
       Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
       Vec6 asked = Vec6::Zero();
       for (const int j : robot_->leg(side)) {

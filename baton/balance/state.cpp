@@ -12,10 +12,7 @@ Estimator::Estimator(const RobotModel& robot)
 const State& Estimator::update(const Measurement& measurement, const Pose& anchor) {
   if (!measurement.root) throw std::invalid_argument("Estimator: the measurement has no root pose");
   const Pose to_plan = anchor.inverse();
-  const Pose root = to_plan * measurement.root->pose;
-  const Eigen::Quaterniond attitude(root.R);
-  state_.q.head<3>() = root.p;
-  state_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  set_root(state_.q, to_plan * measurement.root->pose);
   state_.q.tail(robot_->nv() - 6) = measurement.q;
   dq_.head<3>() = to_plan.R * measurement.root->velocity;
   dq_.segment<3>(3) = measurement.root->rate;

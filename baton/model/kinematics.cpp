@@ -71,6 +71,12 @@ void Kinematics::rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) cons
     rows.col(i) = vec3(data_->cdof + 6 * i);
 }
 
+void Kinematics::sole_jacobian(Side side, Eigen::Ref<JacobianRows> rows) const {
+  const int foot = robot_->foot_body(side);
+  point_jacobian(foot, sole(side).p, rows.topRows(3));
+  rotation_jacobian(foot, rows.bottomRows(3));
+}
+
 void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force) {
   const mjModel& m = robot_->mj();
   set(q);
@@ -98,6 +104,12 @@ double Kinematics::self_distance(double limit, std::array<int, 2>* geoms) const 
     }
   }
   return least;
+}
+
+void set_root(VecX& q, const Pose& root) {
+  const Eigen::Quaterniond attitude(root.R);
+  q.head<3>() = root.p;
+  q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
 }
 
 void integrate(const RobotModel& robot, VecX& q, const VecX& dq, double dt) {

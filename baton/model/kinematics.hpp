@@ -38,6 +38,9 @@ class Kinematics {
   /// Jacobian of a body's angular velocity in the world (3 × nv).
   void rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) const;
 
+  /// Both of a sole: velocity of its centre, angular velocity (6 × nv).
+  void sole_jacobian(Side side, Eigen::Ref<JacobianRows> rows) const;
+
   /// Generalised forces that the links need for (q, q̇, q̈) with nothing touching them: gravity, inertia and
   /// the motors' reflected inertia; without damping. Also sets the configuration.
   /// [N, N·m], nv: force on the trunk in the world 3, moment about its origin in the trunk 3, joints.
@@ -55,6 +58,9 @@ class Kinematics {
   DataPtr data_;
   mutable bool prepared_ = false;
 };
+
+/// Puts the root at a pose; `q`: nq.
+void set_root(VecX& q, const Pose& root);
 
 /// q ⊕ dq·dt: integrates a velocity (nv) over a time.
 void integrate(const RobotModel& robot, VecX& q, const VecX& dq, double dt);

@@ -265,8 +265,12 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   return target;
 }
 
+Pose Navigator::slid() const {
+  return anchor_correction(sample_->sole, state_->sole, sample_->contact);
+}
+
 void Navigator::settle() {
-  const Pose slid = anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  const Pose slid = this->slid();
   const double yaw = yaw_of(slid.R);
   if (slid.p.norm() < kInPlace * robot_->profile().stance.com_height && std::abs(yaw) < kInPlace) return;
   const double share = std::min(1.0, kSettles * robot_->profile().tick.period);
@@ -280,9 +284,8 @@ std::optional<Problem> Navigator::request() {
   if (guard_ != Guard::armed || tick_ < 0 || waits_) return std::nullopt;
   // Pushed off its way, or about to be: the motion under way ends at rest, and the robot stays there until it is back.
   // Soles that slid have taken the plan with them.
-  const Pose slid = anchor_correction(sample_->sole, state_->sole, sample_->contact);
   const double omega = robot_->omega();
-  const Vec3 error = state_->dcm(omega) - slid * Vec3(sample_->com + sample_->dcom / omega);
+  const Vec3 error = state_->dcm(omega) - slid() * Vec3(sample_->com + sample_->dcom / omega);
   const double off = error.head<2>().norm() / robot_->profile().stance.com_height;
   disturbed_ = off > (disturbed_ ? kBack : kTube);
   if (disturbed_ && command_.recall != Recall::stop) return std::nullopt;
@@ -334,8 +337,7 @@ bool Navigator::replaceable(int at) const {
 }
 
 GuideContext Navigator::context_at_rest() const {
-  GuideContext context{rest(), anchor_ * anchor_correction(sample_->sole, state_->sole, sample_->contact), last_step_,
-                       foothold_};
+  GuideContext context{rest(), anchor_ * slid(), last_step_, foothold_};
   if (motion_) note_steps(motion_->goal, context.last_step, context.foothold);
   return context;
 }

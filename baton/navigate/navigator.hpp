@@ -86,9 +86,9 @@ class Planning {
 /// Whether the robot may be moved. It sees for itself that it falls or is lifted off the ground.
 enum class Guard {
   armed,
-  lifted,   ///< no sole carries: nothing new is begun until it stands again and the stick is let go of
-  fallen,   ///< the plan is cleared and the motors are soft
-  stood_up  ///< after a fall, on its feet and still: armed as soon as the stick is let go of
+  lifted,    ///< no sole carries: nothing new is begun until it stands again and the stick is let go of
+  fallen,    ///< the plan is cleared and the motors are soft
+  stood_up,  ///< after a fall, on its feet and still: armed as soon as the stick is let go of
 };
 
 /// What the robot is doing, for traces and people.
@@ -160,6 +160,8 @@ class Navigator {
   [[nodiscard]] bool stands_upright() const;
   /// Whether its COM is where it may rest.
   [[nodiscard]] bool supported() const;
+  /// How far the standing soles are from where they were planned, as one move of the planning frame.
+  [[nodiscard]] Pose slid() const;
   /// At rest: lays the planning frame on where the soles are, little by little.
   void settle();
   /// Begins anew from where the robot stands, after a fall.

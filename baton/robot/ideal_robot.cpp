@@ -41,9 +41,7 @@ void IdealRobot::write(const JointTarget& target) {
   // The root follows from the planted sole: its pose, and the velocity that keeps it still.
   kinematics_.set(truth_.q);
   const Pose root = sole_[planted_] * kinematics_.sole(planted_).inverse() * kinematics_.body(1);
-  const Eigen::Quaterniond attitude(root.R);
-  truth_.q.head<3>() = root.p;
-  truth_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  set_root(truth_.q, root);
   kinematics_.set(truth_.q);
   JacobianRows rows(6, robot_->nv());
   const int body = robot_->foot_body(planted_);

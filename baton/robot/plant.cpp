@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <random>
 
 #include "baton/model/error.hpp"
 #include "baton/model/world.hpp"

@@ -287,10 +287,7 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
   }
   if (due(world_gap_, moved)) {
     in_world_ = sample.q;
-    const Pose root = anchor * kinematics_.body(1);
-    const Eigen::Quaterniond attitude(root.R);
-    in_world_.head<3>() = root.p;
-    in_world_.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+    set_root(in_world_, anchor * kinematics_.body(1));
     std::array<int, 2> pair{-1, -1};
     const double distance = obstacles_.distance(in_world_, 2.0 * near, pair);
     enter(world_gap_, Reason::obstacle, distance, subject(pair, obstacles_.geoms()));
