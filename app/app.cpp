@@ -105,11 +105,10 @@ int parse_and_run(std::vector<std::string> args) {
   app.parse_complete_callback([&verbose] { spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::info); });
 
   // Plain `baton` is `baton drive`.
-  const bool names_command =
-      std::any_of(args.begin(), args.end(), [](const std::string& arg) { return !arg.starts_with("-"); }) &&
-      !args.empty() && !args.front().starts_with("-");
-  const bool asks_about_all =
-      !args.empty() && (args.front() == "--help" || args.front() == "-h" || args.front() == "--version");
+  const auto first =
+      std::find_if(args.begin(), args.end(), [](const auto& arg) { return arg != "-v" && arg != "--verbose"; });
+  const bool names_command = first != args.end() && !first->starts_with("-");
+  const bool asks_about_all = first != args.end() && (*first == "--help" || *first == "-h" || *first == "--version");
   if (!names_command && !asks_about_all) args.insert(args.begin(), "drive");
 
   DriveOptions drive_options;

@@ -74,7 +74,7 @@ Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
 }
 
 Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
-                              const Range& forward) const {
+                              const Range& forward, std::optional<double> edge) const {
   const Profile& profile = robot_->profile();
   const Part part = foot(side);
   const Pose& stance = context.from.sole[other(side)];
@@ -108,7 +108,7 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
     placement.sole.p.z() = ground + lift;
     return placement;
   }
-  const Foothold foothold = world_->foothold(in_world, profile.ground, profile.margin.edge);
+  const Foothold foothold = world_->foothold(in_world, profile.ground, edge.value_or(profile.margin.edge));
   if (!foothold.flat) {
     placement.against = {Reason::ground, part, foothold.deviation, profile.ground.flatness, ""};
     return placement;
@@ -187,6 +187,26 @@ Command Guide::shortened(const GuideContext& context, const Command& command, do
   return shorter;
 }
 
+Command Guide::within_region(const GuideContext& context, const Command& command) const {
+  const Profile& profile = robot_->profile();
+  const Side side = side_of(command.guide);
+  const Pose& now = context.from.sole[side];
+  const Pose& stance = context.from.sole[other(side)];
+  const Mat3 heading = rotation_z(context.from.heading());
+  const Mat3 from_stance = rotation_z(yaw_of(stance.R));
+  Vec3 level = command.axes.head<3>();
+  level.z() = 0.0;
+  Vec3 there = from_stance.transpose() * (now.p + heading * level * profile.reach.foot - stance.p);
+  const Range& ahead = profile.region.foot_x;
+  const Range& outward = profile.region.foot_lateral;
+  there.x() = std::clamp(there.x(), ahead.lo, ahead.hi);
+  there.y() = sign_of(side) * std::clamp(sign_of(side) * there.y(), outward.lo, outward.hi);
+  Command within = command;
+  within.axes.head<2>() =
+      (heading.transpose() * (stance.p + from_stance * there - now.p)).head<2>() / profile.reach.foot;
+  return within;
+}
+
 GuideResult Guide::go_home(const GuideContext& context) const {
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
@@ -255,9 +275,10 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
   const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region);
-  // Where it stood it can stand again, even if the other foot has come to rest a little outside the region since.
+  // Where it stood it can stand again, even if the other foot has come to rest a little outside the region since, or
+  // it turned out to stand a little nearer to an edge.
   const Range stood{region.lo - profile.reach.foot, region.hi + profile.reach.foot};
-  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood);
+  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0);
   const Range stride{-profile.region.stride, profile.region.stride};
   const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride);
   std::vector<Goal> goals;
@@ -265,6 +286,7 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
     for (const Placement* placement : {&here, &back, &near}) {
       if (placement->against) continue;
       Goal goal = landing(context, side, placement->sole);
+      goal.returns = placement == &back;
       const double height = context.from.com.z() - context.from.support_height();
       goal.com.z() -= std::min(down, std::max(0.0, height - profile.region.com_height.lo));
       goals.push_back(std::move(goal));

@@ -2,6 +2,7 @@
 /// (docs/theory.md §2). A pure function: nothing is remembered here.
 #pragma once
 
+#include <optional>
 #include <variant>
 
 #include "baton/guide/command.hpp"
@@ -50,6 +51,9 @@ class Guide {
   /// The same command, its goal only a share of the way from where the guided part is now.
   [[nodiscard]] Command shortened(const GuideContext& context, const Command& command, double share) const;
 
+  /// The same command of a foot, its goal brought into the foot's region.
+  [[nodiscard]] Command within_region(const GuideContext& context, const Command& command) const;
+
   /// Ways to put down a foot that is in the air: where it is, where it stood last, at the nearest place; with the
   /// COM as high as it is, or lower.
   [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;
@@ -77,9 +81,9 @@ class Guide {
   /// the COM as high as at the start, and with the trunk upright too.
   void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
   void arms_home(Goal& goal) const;
-  /// The foot at a place on the ground, or in the air `lift` above it.
+  /// The foot at a place on the ground, as far from edges as the profile says or as given, or in the air `lift` above it.
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
-                                const Range& forward) const;
+                                const Range& forward, std::optional<double> edge = {}) const;
   /// Of the places in the foot's region, the nearest to `at` that can be stood on.
   [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
                                         const Range& forward) const;

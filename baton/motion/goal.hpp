@@ -28,6 +28,7 @@ struct Goal {
   SegmentKind kind = SegmentKind::shift;
   Part guided = Part::trunk;
   std::optional<Side> swing;  ///< the foot that moves, if one does
+  bool returns = false;       ///< it lands where it stood last
   BySide<Pose> sole;
   BySide<bool> contact{true, true};
   Vec3 com = Vec3::Zero();

@@ -177,7 +177,12 @@ std::optional<Motion> Planning::shrunk(const Problem& problem) {
     (tried(guide_.shortened(problem.context, command, share)) ? done : refused) = share;
   }
   if (best) return best;
-  // Nowhere along the direction: along the limit then, by the axis that asks for most, or the next.
+  // Nowhere along the direction: along the limit then, a foot to the edge of its region, or any part by the axis that
+  // asks for most, or the next.
+  if (is_foot(command.guide)) {
+    const Command within = guide_.within_region(problem.context, command);
+    if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
+  }
   std::vector<int> axes = guide_.axes_of(command.guide);
   std::stable_sort(axes.begin(), axes.end(),
                    [&](int a, int b) { return std::abs(command.axes[a]) > std::abs(command.axes[b]); });
@@ -210,23 +215,32 @@ PlanResult Planning::first_of(const std::vector<Goal>& goals, const Problem& pro
   for (const Goal& goal : goals) {
     PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor);
     if (auto* motion = std::get_if<Motion>(&planned)) {
-      if (can_land(*motion, problem.context)) return planned;
-      planned = Refusal{Reason::no_landing, goal.guided, 0, 0, ""};
+      std::optional<Refusal> stays_up = no_landing(*motion, problem.context);
+      if (!stays_up) return planned;
+      planned = *std::move(stays_up);
     }
     if (!against) against = std::get<Refusal>(planned);
   }
   return *against;
 }
 
-bool Planning::can_land(const Motion& motion, const GuideContext& context) {
+std::optional<Refusal> Planning::no_landing(const Motion& motion, const GuideContext& context) {
   const Posture& end = motion.end;
-  if (end.contact.left && end.contact.right) return true;
+  if (end.contact.left && end.contact.right) return std::nullopt;
   const Side up = end.contact.left ? Side::right : Side::left;
-  const GuideResult landings = guide_.landings({end, context.anchor, context.last_step, context.foothold}, up);
-  const auto* goals = std::get_if<std::vector<Goal>>(&landings);
-  return goals != nullptr && std::any_of(goals->begin(), goals->end(), [&](const Goal& goal) {
-           return std::holds_alternative<Motion>(planner_.plan(end, goal, context.anchor));
-         });
+  GuideResult landings = guide_.landings({end, context.anchor, context.last_step, context.foothold}, up);
+  std::optional<Refusal> against;
+  if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
+    for (const Goal& goal : *goals) {
+      PlanResult planned = planner_.plan(end, goal, context.anchor);
+      if (std::holds_alternative<Motion>(planned)) return std::nullopt;
+      if (!against) against = std::get<Refusal>(planned);
+    }
+  } else {
+    against = std::get<Refusal>(landings);
+  }
+  return Refusal{Reason::no_landing, against->part, against->value, against->limit,
+                 std::string(to_string(against->reason))};
 }
 
 Navigator::Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait, StateSource source)

@@ -74,8 +74,8 @@ class Planning {
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
   [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const Problem& problem);
-  /// Whether the foot that `motion` leaves in the air could be put down from there.
-  [[nodiscard]] bool can_land(const Motion& motion, const GuideContext& context);
+  /// What speaks against putting down, from there, a foot that `motion` leaves in the air; none: it can be put down.
+  [[nodiscard]] std::optional<Refusal> no_landing(const Motion& motion, const GuideContext& context);
 
   const RobotModel* robot_;
   Modes modes_;

@@ -13,6 +13,10 @@ namespace {
 constexpr int kShiftKnots = 5;   ///< intervals of the VRP in a segment of one phase
 constexpr double kLevel = 2e-3;  ///< [m] footholds nearer in height need no shaped swing
 
+/// A foot that hangs in the air and lands elsewhere: shares of its way down at which it begins to sink, and at which it
+/// is above that place. There may be an edge between.
+constexpr std::pair<double, double> kBeside{0.4, 0.7};
+
 constexpr double kGapReserve = 1e-3;   ///< [m]
 constexpr double kMostOutward = 0.02;  ///< [m]
 constexpr double kOutwardStep = 4e-3;  ///< [m]
@@ -152,6 +156,11 @@ std::vector<ContactPhase> Segment::phases(const Timing& timing) const {
   return phases;
 }
 
+bool Segment::beside() const {
+  const Side side = *goal_.swing;
+  return (goal_.sole[side].p - from_.sole[side].p).head<2>().norm() > kLevel;
+}
+
 Vec2 Segment::apex(double duration) const {
   const Side side = *goal_.swing;
   const double from = from_.sole[side].p.z();
@@ -162,6 +171,7 @@ Vec2 Segment::apex(double duration) const {
     const double share = to - from < -kLevel ? 0.4 : (to - from > kLevel ? 0.6 : 0.5);
     return {share * duration, std::max(from, to) + clearance};
   }
+  if (!from_.flight && beside()) return {kBeside.first * duration, std::max(from, to)};
   if (!from_.flight || from_.flight->rise <= 0.0) return {0.0, from};
   return {from_.flight->rise / from_.flight->left * duration, std::max(from_.flight->apex, to + clearance)};
 }
@@ -187,7 +197,7 @@ Pose Segment::swing(double t, double duration) const {
   if (stood && lands && rise > kLevel) begin = 0.3;
   if (stood && lands && rise < -kLevel) end = 0.7;
   if (stood && !lands) begin = 0.2;
-  if (!stood && lands && !from_.flight) end = 0.8;
+  if (!stood && lands && !from_.flight) end = beside() ? kBeside.second : 0.8;
   if (from_.flight && lands && b.p.z() < from_.sole[other(side)].p.z() - kLevel) end = 0.6;
   const double s = smooth_step(t - begin * duration, (end - begin) * duration).x;
   const PoseRate& rate = rates_.sole[side];

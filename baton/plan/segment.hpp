@@ -44,6 +44,8 @@ class Segment {
   [[nodiscard]] Pose swing(double t, double duration) const;
   /// Least gap of the two soles' outlines along the swing [m].
   [[nodiscard]] double least_gap() const;
+  /// Whether the swing foot lands beside where it is.
+  [[nodiscard]] bool beside() const;
 
   const RobotModel* robot_;
   Posture from_;

@@ -114,6 +114,7 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
           {"contact_before", contact_json(motion.contact_before)},
           {"lift_off", pose_json(motion.lift_off)},
           {"retraces", motion.retraces},
+          {"returns", motion.goal.returns},
           {"samples", samples}};
 }
 
@@ -154,6 +155,7 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   motion.lift_off = node.at("lift_off").pose();
   motion.contact_before = node.at("contact_before").contact();
   motion.retraces = node.at("retraces").truth();
+  motion.goal.returns = node.at("returns").truth();
   motion.dq0 = node.at("dq0").vector(robot.nv());
   differentiate(robot, motion);
   return motion;

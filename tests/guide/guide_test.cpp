@@ -190,6 +190,44 @@ TEST_P(GuideTest, AFootStepsOrLiftsByItsThrottle) {
   EXPECT_TRUE(refused_for(guide.goals(at_home(), command), Reason::foot_region));
 }
 
+TEST_P(GuideTest, AFootIsBroughtIntoItsRegion) {
+  const Guide guide(robot_, flat());
+  const Profile::Region& region = robot_.profile().region;
+  std::mt19937_64 random(29);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int inside = 0;
+  int brought = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const GuideContext context = this->context(random_stance(random));
+    const Side side = trial % 2 == 0 ? Side::left : Side::right;
+    Command command = push(foot(side), 0, unit(random));
+    command.axes[1] = unit(random);
+    command.axes[5] = 0.2 * unit(random);
+    const Command within = guide.within_region(context, command);
+    EXPECT_EQ(within.axes[5], command.axes[5]);
+    const GuideResult asked = guide.goals(context, command);
+    if (!refused_for(asked, Reason::foot_region)) {
+      EXPECT_TRUE(within.axes.isApprox(command.axes, 1e-9));
+      ++inside;
+    } else if (within.axes.cwiseAbs().maxCoeff() <= 1.0) {
+      const GuideResult result = guide.goals(context, within);
+      EXPECT_FALSE(refused_for(result, Reason::foot_region));
+      if (const auto* goals = std::get_if<std::vector<Goal>>(&result)) {
+        // On the border of the region, as near to what was asked for as it goes.
+        const Pose relative = context.from.sole[other(side)].inverse() * goals->front().sole[side];
+        const double outward = sign_of(side) * relative.p.y();
+        const double off = std::min(
+            {std::abs(relative.p.x() - region.foot_x.lo), std::abs(relative.p.x() - region.foot_x.hi),
+             std::abs(outward - region.foot_lateral.lo), std::abs(outward - region.foot_lateral.hi)});
+        EXPECT_LT(off, 1e-9);
+        ++brought;
+      }
+    }
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_GT(brought, 100);
+}
+
 TEST_P(GuideTest, AFootInTheAirIsLoweredWhenAnotherPartIsGuided) {
   const Guide guide(robot_, flat());
   Posture from = home_;
@@ -337,6 +375,29 @@ TEST(GuideInTheRoom, FootholdsLieOnTheGroundThereAndNotOnEdges) {
   }
   EXPECT_GT(stepped, 500);
   EXPECT_GT(refused, 50);
+}
+
+TEST(GuideInTheRoom, AFootMayGoBackToWhereItStoodThoughThatIsNearAnEdge) {
+  const RobotModel& robot = test::robot("mighty");
+  const Guide guide(robot, room());
+  Posture from = stand(robot, room().site("start"), robot.profile().stance.com_height);
+  double toe = 0.0;
+  for (const Vec2& vertex : robot.sole(Side::left).vertices())
+    toe = std::max(toe, vertex.x());
+  const double within_margin = 0.12 - 0.5 * robot.profile().margin.edge;  // the stage ends at 0.12
+  for (const Side side : kSides)
+    from.sole[side].p.x() = within_margin - toe;
+  const Pose stood = from.sole.left;
+  from.contact.left = false;
+  from.sole.left.p += Vec3(0.02, 0, 0.02);  // over the edge, where it cannot come down
+  GuideContext context{from, Pose{}, Side::right, from.sole};
+  context.foothold.left = stood;
+  const GuideResult result = guide.landings(context, Side::left);
+  const auto* goals = std::get_if<std::vector<Goal>>(&result);
+  ASSERT_NE(goals, nullptr);
+  const auto back = std::find_if(goals->begin(), goals->end(), [](const Goal& goal) { return goal.returns; });
+  ASSERT_NE(back, goals->end());
+  EXPECT_LT((back->sole.left.p - stood.p).norm(), 1e-9);
 }
 
 TEST(GuideInTheRoom, TheTrunkWalksDownTheStepFromItsEdge) {

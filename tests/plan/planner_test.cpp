@@ -85,6 +85,40 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
   EXPECT_LT(sum_search, 0.8 * sum_paper);
 }
 
+TEST_P(PlannerTest, AFootInTheAirThatLandsBesideGoesThereBeforeItSinks) {
+  Planner planner(robot_, world_);
+  const Guide guide(robot_, world_);
+  std::mt19937_64 random(37);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int landed = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const GuideContext at_home = test::at_home(robot_);
+    Command up;
+    up.guide = trial % 2 == 0 ? Part::left_foot : Part::right_foot;
+    const Side side = side_of(up.guide);
+    up.lift[side] = 0.5;
+    const GuideResult lifted = guide.goals(at_home, up);
+    PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{});
+    ASSERT_TRUE(std::holds_alternative<Motion>(lift));
+    const Posture hanging = std::get<Motion>(lift).end;
+    const GuideResult landings =
+        guide.landings({hanging, at_home.anchor, at_home.last_step, at_home.foothold}, side);
+    Goal goal = std::get<std::vector<Goal>>(landings).front();
+    goal.sole[side].p += size_ * Vec3(0.04 * unit(random), sign_of(side) * 0.01 * (1.0 + unit(random)), 0);
+    const Vec3 way = goal.sole[side].p - hanging.sole[side].p;
+    PlanResult planned = planner.plan(hanging, goal, Pose{});
+    if (way.head<2>().norm() < 0.005 * size_ || !std::holds_alternative<Motion>(planned)) continue;
+    for (const MotionSample& sample : std::get<Motion>(planned).samples) {
+      const Vec3 gone = sample.sole[side].p - hanging.sole[side].p;
+      if (gone.z() / way.z() > 0.01) {
+        EXPECT_GT(gone.head<2>().norm(), 0.6 * way.head<2>().norm());
+      }
+    }
+    ++landed;
+  }
+  EXPECT_GT(landed, 30);
+}
+
 TEST_P(PlannerTest, AMotionRunBackwardsHasTheSameMargins) {
   Planner planner(robot_, world_);
   Posture from = stand(robot_, Pose{}, robot_.profile().stance.com_height);
