@@ -14,6 +14,10 @@ constexpr double kSameYaw = 0.01;                      ///< [rad]
 constexpr double kLeads = 0.7;                         ///< cosine of the angle between two ways that are one
 constexpr double kSearch = 0.01;                       ///< spacing of the places that a foot is tried at [m]
 constexpr double kFineSearch = 0.002;                  ///< the same straight ahead, where edges are [m]
+constexpr double kLowestLift = 0.25;                   ///< of a step's clearance: no foot hangs lower
+constexpr double kSideways = 0.5;                      ///< of the way ahead: a push farther aside is not stepped into
+constexpr double kStraight = 0.1;                      ///< of it: one that is not aside
+constexpr std::array<double, 2> kCatches{1.0, 0.5};    ///< of the way that a step should go to catch the robot
 constexpr std::array<double, 3> kHalt{1.0, 1.5, 0.5};  ///< ways that a COM is given to halt, in v/ω
 
 /// Attitude with the yaw taken out: how the trunk leans.
@@ -316,12 +320,49 @@ GuideResult Guide::stops(const GuideContext& context) const {
   return goals;
 }
 
+GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
+  const Profile& profile = robot_->profile();
+  const Posture& from = context.from;
+  std::vector<Goal> goals;
+  const auto add = [&](Side side, const Vec2& at, double yaw, SegmentKind kind) {
+    const Placement placement = nearest_place(context, side, at, yaw, profile.region.foot_x);
+    if (placement.against) return;
+    goals.push_back(landing(context, side, placement.sole));
+    goals.back().kind = kind;
+  };
+  if (context.step) {
+    const Pose& to = context.step->to;
+    for (const double share : kCatches)
+      add(context.step->side, to.p.head<2>() + share * by, yaw_of(to.R), SegmentKind::lower);
+  } else if (from.contact.left && from.contact.right) {
+    const Vec3 ahead = rotation_z(-from.heading()) * Vec3(by.x(), by.y(), 0);
+    if (std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
+    // It stands on the foot to whose side it is pushed; if it is to neither, the one that carries less leaves the ground.
+    const auto far = [&](Side side) { return (from.sole[side].p - from.com).head<2>().norm(); };
+    const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
+    const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)
+                                : (ahead.y() < 0.0 ? Side::left : Side::right);
+    for (const Side side : {first, other(first)}) {
+      if (!straight && side != first) continue;
+      if (from.lift_off && from.lift_off->side != side) continue;
+      const Pose& stance = from.sole[other(side)];
+      const Vec3 beside = stance.p + stance.R * Vec3(0, sign_of(side) * profile.stance.width, 0);
+      for (const double share : kCatches)
+        add(side, beside.head<2>() + share * by, yaw_of(stance.R), SegmentKind::step);
+    }
+  }
+  if (goals.empty()) return std::monostate{};
+  return goals;
+}
+
 GuideResult Guide::guide_foot(const GuideContext& context, const Command& command) const {
   const Profile& profile = robot_->profile();
   const Side side = side_of(command.guide);
   const Posture& from = context.from;
   const double throttle = command.lift[side] < kLeastLift ? 0.0 : command.lift[side];
-  const double lift = throttle * profile.swing.lift;
+  // A foot that is only just off the ground would scrape over it as soon as it lags behind.
+  const double lift =
+      throttle == 0.0 ? 0.0 : std::max(throttle * profile.swing.lift, kLowestLift * profile.swing.clearance);
   const bool deflected = command.axes[0] != 0.0 || command.axes[1] != 0.0 || command.axes[5] != 0.0;
 
   const Vec3 move = rotation_z(from.heading()) * Vec3(command.axes[0], command.axes[1], 0) * profile.reach.foot;

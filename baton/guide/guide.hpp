@@ -62,6 +62,11 @@ class Guide {
   /// can be halted; with a foot in the air, by putting it down, first where it was to land.
   [[nodiscard]] GuideResult stops(const GuideContext& context) const;
 
+  /// Steps for a robot that is pushed off its way, from the posture `context.from`, which may move: the foot that is in
+  /// the air, or about to leave the ground, or one of both, lands `by` farther [m], or half as far, as its region allows.
+  /// Nothing where no step helps: sideways on both feet, as the one that would have to step carries the weight.
+  [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by) const;
+
  private:
   struct Placement;  // a foot somewhere, and what speaks against it
 

@@ -204,12 +204,13 @@ double Verifier::clearance(const Motion& motion, std::size_t tick) const {
   const MotionSample& sample = motion.samples[tick];
   const Side swing = sample.contact.left ? Side::right : Side::left;
   const MotionSample& end = motion.samples.back();
-  if (motion.retraces || !end.contact[swing]) return 0.0;
+  if (motion.retraces) return 0.0;
   const auto travel = [&](const Pose& there) {
     const double turn = wrap_angle(yaw_of(there.R) - yaw_of(sample.sole[swing].R));
     return (there.p - sample.sole[swing].p).head<2>().norm() + std::abs(turn) * robot_->profile().reach.foot;
   };
-  const double way = std::min(travel(motion.lift_off), travel(end.sole[swing]));
+  double way = travel(motion.lift_off);
+  if (end.contact[swing]) way = std::min(way, travel(end.sole[swing]));
   return std::min(kClearance * robot_->profile().swing.clearance, kRise * way);
 }
 

@@ -228,6 +228,58 @@ TEST_P(GuideTest, AFootIsBroughtIntoItsRegion) {
   EXPECT_GT(brought, 100);
 }
 
+TEST_P(GuideTest, AStepCatchesTheRobotWhereOneCan) {
+  const Guide guide(robot_, flat());
+  const double size = robot_.profile().stance.com_height;
+  std::mt19937_64 random(43);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int stood = 0;
+  int flew = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    GuideContext context = this->context(random_stance(random));
+    const Vec2 by = 0.3 * size * Vec2(unit(random), unit(random));
+    const Vec3 ahead = rotation_z(-context.from.heading()) * Vec3(by.x(), by.y(), 0);
+    const bool sideways = std::abs(ahead.y()) > 0.5 * std::abs(ahead.x());
+    const Side up = trial % 2 == 0 ? Side::left : Side::right;
+    const bool flies = trial % 3 == 0;
+    if (flies) {
+      context.from.contact[up] = false;
+      context.step = {up, context.from.sole[up]};
+      context.from.sole[up].p += Vec3(0, 0, 0.02 * size);
+    }
+    const GuideResult result = guide.catches(context, by);
+    ASSERT_FALSE(std::holds_alternative<Refusal>(result));
+    const auto* goals = std::get_if<std::vector<Goal>>(&result);
+    EXPECT_EQ(goals != nullptr, flies || !sideways);
+    if (goals == nullptr) continue;
+    for (const Goal& goal : *goals) {
+      ASSERT_TRUE(goal.swing && goal.contact.left && goal.contact.right);
+      const Side side = *goal.swing;
+      EXPECT_EQ(goal.kind, flies ? SegmentKind::lower : SegmentKind::step);
+      EXPECT_EQ(goal.sole[other(side)].p, context.from.sole[other(side)].p);
+      const Pose relative = context.from.sole[other(side)].inverse() * goal.sole[side];
+      EXPECT_GE(relative.p.x(), robot_.profile().region.foot_x.lo - 1e-9);
+      EXPECT_LE(relative.p.x(), robot_.profile().region.foot_x.hi + 1e-9);
+      if (flies) {
+        EXPECT_EQ(side, up);
+        ++flew;
+      } else {
+        // It does not lift the foot to whose side it is pushed.
+        const bool straight = std::abs(ahead.y()) < 0.1 * std::abs(ahead.x());
+        EXPECT_TRUE(straight || sign_of(side) * ahead.y() < 0.0);
+        ++stood;
+      }
+    }
+    const Side side = *goals->front().swing;
+    const Goal& second = (*goals)[std::min<std::size_t>(1, goals->size() - 1)];
+    if (second.swing != side) continue;
+    const Vec3 way = goals->front().sole[side].p - second.sole[side].p;
+    EXPECT_GE(way.head<2>().dot(by), -0.01 * by.norm()) << "the first goes farther, to a grid of 1 cm";
+  }
+  EXPECT_GT(stood, 300);
+  EXPECT_GT(flew, 300);
+}
+
 TEST_P(GuideTest, AFootInTheAirIsLoweredWhenAnotherPartIsGuided) {
   const Guide guide(robot_, flat());
   Posture from = home_;
