@@ -20,6 +20,7 @@ struct Row {
   long tried = 0;
   long fell = 0;
   double seconds = 0.0;
+  double upright = 0.0;  ///< of them, of those that did not fall [s]
   Tally tally;
   double tilt = 0.0;            ///< the largest of the trunk [deg]
   std::array<double, 4> rms{};  ///< of the COM, soles, hands, ZMP [m]: sums of squares by time, until `json`
@@ -27,7 +28,7 @@ struct Row {
   std::vector<long> seeds;      ///< of those that fell
 
   void add(const EpisodeResult& result, long seed, double period);
-  [[nodiscard]] double root(std::size_t what) const { return seconds > 0.0 ? std::sqrt(rms[what] / seconds) : 0.0; }
+  [[nodiscard]] double root(std::size_t what) const { return upright > 0.0 ? std::sqrt(rms[what] / upright) : 0.0; }
   [[nodiscard]] Json json(const Scenario& scenario) const;
 };
 
@@ -43,13 +44,15 @@ void Row::add(const EpisodeResult& result, long seed, double period) {
   const double lasted = static_cast<double>(result.ticks) * period;
   seconds += lasted;
   tally.add(result.tally);
-  tilt = std::max(tilt, falls ? 0.0 : result.summary.at("tilt_deg_max").get<double>());
+  if (falls) return;  // what a body on its back does is not tracking
+  upright += lasted;
+  tilt = std::max(tilt, result.summary.at("tilt_deg_max").get<double>());
   const Json& tracking = result.summary.at("tracking");
   for (std::size_t i = 0; i < rms.size(); ++i) {
-    const double value = falls ? root(i) : tracking.at(std::string(kTracked[i]) + "_rms_m").get<double>();
+    const double value = tracking.at(std::string(kTracked[i]) + "_rms_m").get<double>();
     rms[i] += lasted * value * value;
   }
-  if (!falls) estimate = std::max(estimate, tracking.at("estimate_share").get<double>());
+  estimate = std::max(estimate, tracking.at("estimate_share").get<double>());
 }
 
 Json Row::json(const Scenario& scenario) const {

@@ -7,6 +7,8 @@ namespace {
 
 // How much differs from where; lengths are shares of the COM height, forces of the weight.
 constexpr double kCarries = 0.05;      ///< load from which a sole counts as carrying
+constexpr double kShould = 0.1;        ///< planned load of a sole that is missed if it does not carry
+constexpr double kMissed = 0.0175;     ///< for so long [s]
 constexpr double kFull = 0.3;          ///< load from which it is followed at the full rate
 constexpr double kInside = 0.03;       ///< room of the pressure to the edge of a sole that lies flat
 constexpr double kExact = 4e-4;        ///< a sole no farther off stands where it was planned
@@ -44,6 +46,8 @@ Footing::Rates Footing::rates_for(Drive drive) {
   rates.turn = 3.0;
   rates.yield_turn = 3.0;
   rates.yield_height = 0.1;
+  rates.yield_early = 1.0;
+  rates.early_trust = 1.0;
   rates.band_turn = 0.0;
   rates.band_height = 0.0;
   return rates;
@@ -66,9 +70,16 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
   }
   for (const Side side : kSides) {
     // A foot on its way down follows ground that comes early; one on its way up must not cling to what it leaves.
+    const bool misses = now.contact[side] && wanted[side].force.z() > kShould * weight_ && carries[side] == 0.0 &&
+                        carries[other(side)] > 0.0;
+    missed_[side] = misses ? missed_[side] + period_ : 0.0;
     const bool lands = next.sole[side].p.z() < now.sole[side].p.z();
     if ((now.contact[side] || lands) && carries[side] > 0.0) {
       follow_ground(side, carries[side], now, state, wanted[side]);
+    } else if (missed_[side] > kMissed) {
+      // The ground is farther down than planned.
+      double& z = offset_[side].p.z();
+      z = std::max(z - share_of(rates_.late) * height_, -kMostHeight * height_);
     } else if (!now.contact[side]) {
       // In the air: back to the plan, inclined as the other one stands.
       Offset& offset = offset_[side];
@@ -83,13 +94,15 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   Offset& offset = offset_[side];
   const Wrench& force = state.force[side];
   const bool early = !now.contact[side];
+  if (early) carries = std::max(carries, rates_.early_trust);
   const Vec3 off = beyond(Vec3(state.sole[side].p - now.sole[side].p), kExact * height_);
   offset.p.z() += carries * share_of(early ? rates_.early : rates_.height) * (off.z() - offset.p.z());
   offset.p.head<2>() += carries * share_of(rates_.place) * (off.head<2>() - offset.p.head<2>());
 
   // It yields to what presses more than it should.
   const double heavier = (force.force.z() - wanted.force.z()) / weight_;
-  offset.p.z() += carries * share_of(rates_.yield_height) * height_ * beyond(heavier, rates_.band_height);
+  const double yields = share_of(early ? rates_.yield_early : rates_.yield_height) * height_;
+  offset.p.z() += carries * yields * beyond(heavier, rates_.band_height);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
   const double band = rates_.band_turn * force.force.z() / weight_;
   offset.turn.head<2>() += carries * share_of(rates_.yield_turn) * beyond(excess, band);
@@ -108,12 +121,14 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
 }
 
 void Footing::apply(const Kinematics& kinematics, VecX& q) {
+  // No leg is stretched beyond what was planned, it might be straight: the trunk comes down instead.
+  const double down = std::max({0.0, -offset_.left.p.z(), -offset_.right.p.z()});
   for (const Side side : kSides) {
     const Offset& offset = offset_[side];
-    if (offset.p.isZero(0.0) && offset.turn.isZero(0.0)) continue;
+    if (offset.p.isZero(0.0) && offset.turn.isZero(0.0) && down == 0.0) continue;
     kinematics.sole_jacobian(side, rows_);
     Vec6 wanted;
-    wanted << offset.p, offset.turn;
+    wanted << offset.p + Vec3(0, 0, down), offset.turn;
     Eigen::Matrix<double, 6, 6> gram = kDamping * Eigen::Matrix<double, 6, 6>::Identity();
     for (const int j : robot_->leg(side)) {
       const Vec6 column = rows_.col(6 + j);

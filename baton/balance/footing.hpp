@@ -34,10 +34,13 @@ class Footing {
   struct Rates {
     double height = 15.0;       ///< at which the height of a sole that carries is followed
     double early = 30.0;        ///< the same of a foot on its way down, whose ground comes early
+    double early_trust = 0.0;   ///< share of those rates with which that begins, be its load as small as it may
+    double late = 0.3;          ///< at which a foot that should carry looks for ground farther down [COM heights/s]
     double place = 8.0;         ///< its horizontal place
     double turn = 8.0;          ///< its inclination
     double yield_turn = 8.0;    ///< [rad/s] by a moment too much of weight × COM height
     double yield_height = 0.2;  ///< [COM heights/s] by a force too much of the weight
+    double yield_early = 0.2;   ///< the same of a foot on its way down
     double band_turn = 0.04;    ///< pressure that is off by less is not yielded to [COM height]
     double band_height = 0.1;   ///< nor is force [weight]
   };
@@ -52,6 +55,7 @@ class Footing {
   double weight_;  ///< [N]
   JacobianRows rows_;
   BySide<Offset> offset_;
+  BySide<double> missed_{0.0, 0.0};  ///< for how long a sole should have carried, and did not [s]
 };
 
 }  // namespace baton

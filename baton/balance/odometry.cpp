@@ -103,8 +103,6 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   } else {
     place_ += period_ * velocity_;
   }
-  const Side stance = load_.left >= load_.right ? Side::left : Side::right;
-  slip_ = total > 0.0 ? (velocity_ + moves[stance]).head<2>().norm() : 0.0;
   for (const Side side : kSides) {
     const double share = touch_[side] ? load_[side] / total : 0.0;
     const double follows = touch_[side] ? (1.0 - share) * std::min(1.0, period_ * kRelax) : 1.0;

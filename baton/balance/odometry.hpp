@@ -35,8 +35,6 @@ class Odometry {
   [[nodiscard]] const BySide<double>& load() const { return load_; }
   /// Whether a sole carries some of the weight.
   [[nodiscard]] const BySide<bool>& touch() const { return touch_; }
-  /// How fast the sole that carries most slides, as far as it can be told [m/s].
-  [[nodiscard]] double slip() const { return slip_; }
 
  private:
   void measure_soles(const Measurement& measurement, const MotionSample& planned, const Vec3& ddroot,
@@ -64,7 +62,6 @@ class Odometry {
   BySide<Vec3> foothold_;  ///< where the soles stand [m]
   BySide<bool> touch_{true, true};
   BySide<double> load_;
-  double slip_ = 0.0;
 };
 
 }  // namespace baton

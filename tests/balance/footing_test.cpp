@@ -157,6 +157,33 @@ TEST_P(FootingTest, SolesThatStandElsewhereAreFollowedThere) {
   }
 }
 
+TEST_P(FootingTest, AFootThatShouldCarryLooksForTheGroundFartherDown) {
+  for (int trial = 0; trial < 20; ++trial) {
+    const double planned = random_(0.0, 1.0);
+    const BySide<Wrench> wanted{load(planned), load(1.0 - planned)};
+    Footing footing(robot_);
+    Footing senseless(robot_);
+    double before = 0.0;
+    for (int tick = 0; tick < second_; ++tick) {
+      footing.follow(held_, held_, as_planned(held_, {Wrench{}, load(1.0)}), wanted);
+      const double z = footing.offset().left.p.z();
+      ASSERT_LE(z, before);
+      ASSERT_GE(z, -kMostHeight * size_);
+      before = z;
+      senseless.follow(held_, held_, as_planned(held_, {Wrench{}, Wrench{}}), wanted);
+      ASSERT_TRUE(nothing(senseless.offset().left)) << "no sole is known to carry";
+    }
+    EXPECT_EQ(before < -0.03 * size_, planned > 0.1) << planned;
+    // It has found it, 2 mm below.
+    State found = as_planned(held_, wanted);
+    found.sole.left.p.z() -= 0.008 * size_;
+    if (planned < 0.1) continue;
+    for (int tick = 0; tick < second_; ++tick)
+      footing.follow(held_, held_, found, wanted);
+    EXPECT_NEAR(footing.offset().left.p.z(), -0.008 * size_, kExact * size_);
+  }
+}
+
 TEST_P(FootingTest, TheLegsTakeTheSolesThere) {
   Kinematics moved(robot_);
   int compared = 0;
@@ -176,6 +203,8 @@ TEST_P(FootingTest, TheLegsTakeTheSolesThere) {
       with.tail(n_) = q;
       moved.set(with);
       VecX others = q - sample.q.tail(n_);
+      // The higher sole is raised, not the lower one lowered: no leg is stretched.
+      const double down = std::max({0.0, -footing.offset().left.p.z(), -footing.offset().right.p.z()});
       for (const Side side : kSides) {
         bool at_limit = false;
         for (const int j : robot_.leg(side)) {
@@ -184,7 +213,9 @@ TEST_P(FootingTest, TheLegsTakeTheSolesThere) {
           others[j] = 0.0;
         }
         if (at_limit) continue;
-        const Footing::Offset& offset = footing.offset()[side];
+        Footing::Offset offset = footing.offset()[side];
+        offset.p.z() += down;
+        ASSERT_GE(offset.p.z(), 0.0);
         const Pose goal = displaced(kinematics_.sole(side), offset);
         const double size = size_of(offset);
         const double tolerance = 3.0 * size * size + 1e-3 * size;  // it is one step of Newton's method

@@ -263,7 +263,6 @@ TEST_P(OdometryTest, AFootThatTouchesNothingIsNotBelieved) {
           feed(odometry, loaded(measured, left ? light : 1.0 - light, left ? 1.0 - light : light), planned);
       ASSERT_LT((found.root->pose.p - home_.q.head<3>()).norm(), 1e-6 * size_) << trial << " at " << tick;
       ASSERT_LT(found.root->velocity.norm(), 1e-6 * speed_);
-      ASSERT_LT(odometry.slip(), 1e-6 * speed_);
       ASSERT_FALSE(odometry.touch()[moves]);
       ASSERT_TRUE(odometry.touch()[other(moves)]);
       ASSERT_LE(odometry.load()[moves], light * weight_ + 1e-9 * weight_);
