@@ -34,7 +34,7 @@ int drive(const DriveOptions& o) {
   const World world = World::load(o.world);
   Inputs inputs(o.input);
   Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt,
-                  parameters_of(o.physics, robot, o.seed), modes_of(o.modes), state_named(o.physics.state));
+                  parameters_of(o.physics, robot, o.on, o.seed), modes_of(o.modes), state_named(o.physics.state));
   Outputs outputs(robot, session, o.report, o.trace, o.save_model);
 
   if (o.record) {

@@ -28,7 +28,7 @@ int operate(const OperateOptions& o) {
   const Posture posture = stand(robot, start, robot.profile().stance.com_height);
 
   Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture,
-                  parameters_of(o.physics, robot, o.seed), modes_of(o.modes), state_named(o.physics.state));
+                  parameters_of(o.physics, robot, o.on, o.seed), modes_of(o.modes), state_named(o.physics.state));
   Outputs outputs(robot, session, o.report, o.trace, std::nullopt);
   std::optional<std::ofstream> script = open_output(o.script, "--script");
   RoomOperator::Parameters parameters;

@@ -26,8 +26,10 @@ namespace baton::app {
 /// The robot with the drive that options or their scenario name.
 [[nodiscard]] RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file);
 /// The plant that options name.
+/// @param on sim or ideal
+/// @throws InputError a scenario where there is no physics, or no such scenario
 [[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
-                                                       long seed);
+                                                       const std::string& on, long seed);
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
 inline constexpr double kStiff = 8.0;
 

@@ -1,5 +1,7 @@
 #include "app/view.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "baton/model/contact.hpp"
@@ -8,6 +10,7 @@
 namespace baton::app {
 namespace {
 
+constexpr double kSlipShows = 2.0;  ///< of having slipped, for which the operator is told [s]
 constexpr double kShows = 0.2;  ///< of being pushed off its way before the operator is told [s]
 
 }  // namespace
@@ -74,11 +77,23 @@ void View::show(const Session& session, const DeviceStatus& device) {
   frame.refusals = refusals_;
   frame.refused_in_a_row = nav.refused_in_a_row();
   frame.fallen = session.fallen();
-  if (!nav.disturbed()) steady_ = session.t();
+  if (nav.slips() > slips_) {
+    slips_ = nav.slips();
+    slipped_ = session.t();
+  }
+  if (!nav.disturbed()) {
+    steady_ = session.t();
+    caught_ = nav.caught();
+  }
   if (frame.fallen) {
     frame.message = "The robot fell: " + truth.fall + ".";
   } else if (nav.guard() == Guard::lifted) {
     frame.message = "Lifted off the ground: it goes on when it stands again and the stick was let go of.";
+  } else if (session.t() < slipped_ + kSlipShows && nav.slips() > 0) {
+    frame.message = fmt::format("A sole slid by {:.0f} mm: it goes on from where it stands, without a way back.",
+                                1e3 * nav.last_slip());
+  } else if (nav.disturbed() && nav.caught() > caught_) {
+    frame.message = "Pushed: it steps to catch itself.";
   } else if (session.t() - steady_ > kShows) {
     frame.message = "Pushed off its way: it begins nothing new until it is back.";
   }

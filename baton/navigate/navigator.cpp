@@ -35,6 +35,9 @@ constexpr double kStill = 1.0;         ///< for which a robot that has been stoo
 constexpr double kStillSpeed = 0.1;    ///< and its COM no faster [COM heights/s]
 constexpr double kEachCarries = 0.2;   ///< each sole with so much of the weight
 constexpr double kFlat = 0.1;          ///< and no more inclined [rad]
+constexpr double kReserve = 0.05;      ///< of the ZMP's room, with which a step that catches the robot is made
+constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: the push may go on [COM height]
+constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
 constexpr double kBack = 0.01;         ///< error below which it is again
 
 /// Sample at which the last phase begins.
@@ -68,7 +71,8 @@ Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
     : robot_(&robot), modes_(modes), guide_(robot, world), planner_(robot, world, modes.duration) {}
 
 PlanningResult Planning::plan(const Problem& problem) {
-  PlanningResult result{problem.take_over, problem.command, problem.context, outcome(problem), problem.trail};
+  PlanningResult result{problem.take_over, problem.command, problem.context, outcome(problem), problem.trail,
+                        problem.catches};
   const auto* motion = std::get_if<Motion>(&result.outcome);
   if (motion == nullptr || motion->retraces) return result;
   if (problem.replaced_at < 0) {
@@ -83,6 +87,7 @@ PlanningResult Planning::plan(const Problem& problem) {
 
 Planning::Outcome Planning::outcome(const Problem& problem) {
   if (problem.halt) return halt(problem);
+  if (problem.catches) return catch_step(problem);
   if (problem.command.recall == Recall::stop) return stop(problem);
   if (problem.command.recall == Recall::retrace) return go_back(problem);
   Outcome whole = resolve(problem, problem.command);
@@ -113,6 +118,22 @@ Planning::Outcome Planning::go_back(const Problem& problem) {
 Planning::Outcome Planning::stop(const Problem& problem) {
   GuideResult ways = guide_.stops(problem.context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
+  return quickest(std::get<std::vector<Goal>>(ways), problem);
+}
+
+Planning::Outcome Planning::catch_step(const Problem& problem) {
+  const GuideResult ways = guide_.catches(problem.context, *problem.catches);
+  const auto* goals = std::get_if<std::vector<Goal>>(&ways);
+  if (goals == nullptr) return std::monostate{};
+  Outcome outcome;
+  for (const Goal& goal : *goals) {
+    outcome = quickest({goal}, problem);
+    if (std::holds_alternative<Motion>(outcome)) break;
+  }
+  return outcome;
+}
+
+Planning::Outcome Planning::quickest(const std::vector<Goal>& goals, const Problem& problem) {
   std::vector<Posture> starts{problem.start};
   if (problem.start.flight) {  // the foot may also come down sooner than it was to
     Flight& flight = *starts.emplace_back(problem.start).flight;
@@ -120,19 +141,19 @@ Planning::Outcome Planning::stop(const Problem& problem) {
     flight.rise *= left / flight.left;
     flight.left = left;
   }
-  std::optional<Motion> quickest;
+  std::optional<Motion> best;
   std::optional<Refusal> against;
-  for (const Goal& goal : std::get<std::vector<Goal>>(ways)) {
+  for (const Goal& goal : goals) {
     for (const Posture& start : starts) {
       PlanResult planned = planner_.plan(start, goal, problem.context.anchor, DurationRule::search);
       if (auto* motion = std::get_if<Motion>(&planned)) {
-        if (!quickest || motion->ticks() < quickest->ticks()) quickest = std::move(*motion);
+        if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
       } else if (!against) {
         against = std::get<Refusal>(std::move(planned));
       }
     }
   }
-  if (quickest) return *std::move(quickest);
+  if (best) return *std::move(best);
   return *std::move(against);
 }
 
@@ -302,11 +323,13 @@ std::optional<Problem> Navigator::request() {
   const Vec3 error = state_->dcm(omega) - slid() * Vec3(sample_->com + sample_->dcom / omega);
   const double off = error.head<2>().norm() / robot_->profile().stance.com_height;
   disturbed_ = off > (disturbed_ ? kBack : kTube);
-  if (disturbed_ && command_.recall != Recall::stop) return std::nullopt;
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
   const bool stops = command_.recall == Recall::stop || (on_the_way && motion_->retraces && command_.neutral());
   std::optional<Problem> due;
-  if (stops) {
+  if (disturbed_) due = problem_of_catching(error.head<2>());
+  if (due || (disturbed_ && !stops)) {
+    // A step that catches it, or nothing.
+  } else if (stops) {
     if (on_the_way) due = problem_of_stopping(index_ + lookahead);
   } else if (on_the_way) {
     if (replaceable(index_ + lookahead)) due = problem_on_the_way(index_ + lookahead);
@@ -314,8 +337,11 @@ std::optional<Problem> Navigator::request() {
     due = problem(command_);
   }
   if (!due) return std::nullopt;
-  if ((due->context.anchor.p - anchor_.p).norm() > kSlip * robot_->profile().reach.foot) {
-    history_.clear();  // it slipped: what led here does not lead back
+  const double slip = (due->context.anchor.p - anchor_.p).norm();
+  if (slip > kSlip * robot_->profile().reach.foot) {
+    ++slips_;
+    last_slip_ = slip;
+    history_.clear();  // what led here does not lead back
     retraced_.reset();
     due->trail.reset();
     if (due->halt) return std::nullopt;
@@ -416,6 +442,54 @@ std::optional<Problem> Navigator::problem_of_stopping(int at) const {
   return due;
 }
 
+std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
+  // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
+  const double size = error.norm();
+  const Vec2 holds = sample_->zmp + (1.0 + kReserve) * error;
+  const double room = std::max(0.0, (sample_->zmp_region->nearest(holds) - sample_->zmp).dot(error) / size);
+  if (sample_->zmp_region->margin(holds) >= 0.0) return std::nullopt;
+  const Profile& profile = robot_->profile();
+  const int lookahead = profile.tick.lookahead;
+  Problem due = problem(Command{.guide = command_.guide});
+  std::optional<Vec2> catching;  // such a step is under way, and is so much longer for it
+  double lands = (profile.phases.flow[0] + profile.phases.flow[1]) * profile.duration.first;
+  if (motion_) {
+    const int at = index_ + lookahead;
+    if (motion_->retraces || at >= motion_->ticks() || tick_ < asked_at_ + std::lround(kReplacing / motion_->period))
+      return std::nullopt;
+    catching = at < last_phase_of(*motion_) ? catches_ : std::nullopt;
+    due = problem_of_replacing(at);
+    due.command = Command{.guide = command_.guide};
+    due.start.flight = flight(at);
+    const Goal& goal = motion_->goal;
+    const int lift_off = motion_->phases.front().ticks;
+    if (due.start.flight) {
+      const Side up = due.start.flight->side;
+      due.context.last_step = base_.last_step;
+      due.context.foothold = base_.foothold;
+      due.context.step = {up, goal.contact[up] ? goal.sole[up] : base_.foothold[up]};
+      if (catching) due.context.step->to.p.head<2>() -= *catching;
+      lands = due.start.flight->left;
+    } else if (goal.swing && motion_->phases.size() > 1 && at < lift_off) {
+      due.start.lift_off = LiftOff{*goal.swing, (lift_off - at) * motion_->period};
+      due.context.last_step = base_.last_step;
+      due.context.foothold = base_.foothold;
+      lands = due.start.lift_off->left + profile.phases.flow[1] * profile.duration.first;
+    }
+    due.context.from = due.start;
+  } else if (tick_ < not_before_) {
+    return std::nullopt;
+  }
+  // A sole that tips over its edge says nothing about the height of the ground.
+  due.context.anchor.p.z() = anchor_.p.z();
+  const double growth = std::exp(robot_->omega() * (lookahead * profile.tick.period + lands));
+  const double least = std::max(size, kLeastCatch * profile.stance.com_height);
+  const double then = std::min(least + std::max(0.0, size - room) * (growth - 1.0), profile.region.foot_x.hi);
+  if (catching && then < kFarther * catching->norm()) return std::nullopt;
+  due.catches = then / size * error;
+  return due;
+}
+
 Problem Navigator::problem_on_the_way(int at) const {
   const Goal& goal = motion_->goal;
   const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
@@ -501,15 +575,19 @@ void Navigator::take_over() {
   if (!answered || guard_ != Guard::armed) return;
   PlanningResult& result = *offered_;
   const bool stops = result.command.recall == Recall::stop;
+  const bool urgent = stops || result.catches.has_value();
+  if (disturbed_ && !urgent) return;  // pushed meanwhile
   // Let go of meanwhile: the motion under way ends at rest.
-  if (motion_ && !stops && (command_.neutral() || command_.recall == Recall::stop)) return;
+  if (motion_ && !urgent && (command_.neutral() || command_.recall == Recall::stop)) return;
   if (const auto* motion = std::get_if<Motion>(&result.outcome)) {
     if (stops && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_) return;  // not sooner
     motion_for_ = asked_for_ = result.command;
+    catches_ = result.catches;
+    caught_ += catches_.has_value() ? 1 : 0;
     commit(result);
     return;
   }
-  if (stops) return;  // the motion under way ends at rest
+  if (urgent) return;  // the motion under way ends at rest
   auto* refusal = std::get_if<Refusal>(&result.outcome);
   if (motion_) {
     // Not on the way; it is asked again where the motion can go on, or at rest.

@@ -40,6 +40,8 @@ struct Problem {
   std::shared_ptr<const Trail> trail{};
   int replaced_at{-1};         ///< sample of the motion under way at which it is replaced; −1: from rest
   std::optional<Halt> halt{};  ///< a rest on the trail, to stop at on the way back
+  /// It is pushed and a step is to catch it: how much farther than planned the foot should land [m].
+  std::optional<Vec2> catches{};
 };
 
 /// The answer: nothing was asked for, a verified motion, or why there is none.
@@ -49,6 +51,7 @@ struct PlanningResult {
   GuideContext context;
   std::variant<std::monostate, Motion, Refusal> outcome;
   std::shared_ptr<const Trail> trail;  ///< with a motion: what it belongs to from then on, or retraces
+  std::optional<Vec2> catches{};       ///< as in the problem
 };
 
 /// Problem → result. Pure and slow; may live on a thread of its own.
@@ -66,6 +69,10 @@ class Planning {
   [[nodiscard]] Outcome go_back(const Problem& problem);
   /// The quickest of the ways to rest.
   [[nodiscard]] Outcome stop(const Problem& problem);
+  /// A step that catches the robot: the first that goes.
+  [[nodiscard]] Outcome catch_step(const Problem& problem);
+  /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
+  [[nodiscard]] Outcome quickest(const std::vector<Goal>& goals, const Problem& problem);
   /// To rest at a rest on the trail.
   [[nodiscard]] Outcome halt(const Problem& problem);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
@@ -134,6 +141,11 @@ class Navigator {
   /// Number of the segment under way, counted from 0; −1 in hold.
   [[nodiscard]] long segment() const { return motion_ ? committed_ - 1 : -1; }
   [[nodiscard]] long committed() const { return committed_; }
+  /// Of them, steps that were to catch a robot pushed off its way.
+  [[nodiscard]] long caught() const { return caught_; }
+  /// How often soles were found to have slid, since the motion before was planned, too far for the way back to be kept.
+  [[nodiscard]] long slips() const { return slips_; }
+  [[nodiscard]] double last_slip() const { return last_slip_; }  ///< how far, the last time [m]
   /// The planned sample of this tick, in the planning frame.
   [[nodiscard]] const MotionSample& sample() const { return *sample_; }
   [[nodiscard]] const State& state() const { return *state_; }
@@ -187,6 +199,9 @@ class Navigator {
   [[nodiscard]] std::optional<Halt> halt_from(int at) const;
   /// The task of coming to rest from there, if there is one.
   [[nodiscard]] std::optional<Problem> problem_of_stopping(int at) const;
+  /// A step that takes the robot's feet to where the DCM goes, if no shift of the ZMP can hold it.
+  /// @param error of the DCM, in the planning frame [m]
+  [[nodiscard]] std::optional<Problem> problem_of_catching(const Vec2& error) const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
   /// Where the motion that ends next comes to rest, or where the robot rests.
@@ -211,6 +226,10 @@ class Navigator {
   Guard guard_ = Guard::armed;
   int guard_ticks_ = 0;     ///< for which what would change it has been so
   bool disturbed_ = false;  ///< the DCM is too far from where it should be for anything new
+  std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
+  long slips_ = 0;
+  double last_slip_ = 0.0;
+  long caught_ = 0;         ///< motions of that kind so far
 
   long committed_ = 0;                     ///< motions so far
   Side last_step_ = Side::right;           ///< before the motion under way

@@ -109,6 +109,8 @@ void Report::add(const TickRecord& record) {
     last_command_ = command;
   }
 
+  caught_ = nav.caught();
+  slips_ = nav.slips();
   const bool begins = nav.segment() != segment_ && nav.motion() != nullptr;
   std::erase_if(open_, [&](const Credit& credit) {
     const bool again = begins && static_cast<long>(credit.command) == planned_by_;
@@ -207,7 +209,10 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
           {"duration_s", duration_},
           {"falls", fallen_ ? 1 : 0},
           {"segments",
-           {{"committed", committed_}, {"shrunk", nlohmann::json(shrunk_)}, {"refused", nlohmann::json(refused_)}}},
+           {{"committed", committed_},
+            {"caught", caught_},
+            {"slips", slips_},
+            {"shrunk", nlohmann::json(shrunk_)}, {"refused", nlohmann::json(refused_)}}},
           {"commands", {{"given", commands_.size()}, {"moved", moved}}},
           {"travel_m", travel_},
           {"plan_us", plan_.summary()},

@@ -69,6 +69,8 @@ class Report {
   long segment_ = -1;
   Vec3 com_start_ = Vec3::Zero();
   long committed_ = 0;
+  long caught_ = 0;
+  long slips_ = 0;
   std::map<std::string, long> shrunk_;  ///< reason → motions that are a part of the way
   std::map<std::string, long> refused_;
   std::string last_refused_;

@@ -99,6 +99,24 @@ TEST(Scenario, MightyStaysOnItsFeet) {
   }
 }
 
+TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
+  const RobotModel& robot = test::robot("mighty");
+  const World world = World::load("flat");
+  for (const long seed : {0, 1}) {  // fore and aft
+    SimulatedRobot::Parameters parameters;
+    parameters.plant = plant_of(scenario_named("push_fore"), robot, static_cast<std::uint64_t>(seed), 1.6);
+    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
+    const double before = session.truth().q[0];
+    while (session.t() < 6.0 && !session.fallen())
+      session.step({});
+    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_GE(session.navigator().caught(), 1);
+    EXPECT_TRUE(session.resting());
+    EXPECT_EQ(session.navigator().guard(), Guard::armed);
+    EXPECT_GT((session.truth().q[0] - before) * (seed == 0 ? 1.0 : -1.0), 0.01) << "that way";
+  }
+}
+
 TEST(Soak, PrintsATableOfAScenarioAndAFallThatCanBeSeenAgain) {
   const Scratch scratch;
   // A push that fells everyone.
@@ -135,6 +153,10 @@ TEST(Soak, AScenarioIsRefusedWithWhatWouldBeRight) {
   const Outcome tiles = run({"drive", "--scenario", "tiles", "--world", "room", "--fast", "--seconds", "1"});
   EXPECT_EQ(tiles.code, kBadInput);
   EXPECT_THAT(tiles.err, HasSubstr("one plane"));
+  const Outcome ideal = run({"drive", "--on", "ideal", "--scenario", "mass", "--fast", "--seconds", "1"});
+  EXPECT_EQ(ideal.code, kBadInput);
+  EXPECT_THAT(ideal.err, HasSubstr("--on sim"));
+  EXPECT_EQ(run({"drive", "--times", "2", "--fast", "--seconds", "1"}).code, kBadInput) << "of what?";
   EXPECT_EQ(run({"drive", "--state", "guess", "--fast", "--seconds", "1"}).code, kBadInput);
 }
 

@@ -267,6 +267,7 @@ TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
     ASSERT_TRUE(problem.has_value());
     EXPECT_EQ(problem->trail != nullptr, share < 0.2);
     EXPECT_EQ(run.navigator().history(), share < 0.2 ? 3u : 0u);
+    EXPECT_EQ(run.navigator().slips(), share < 0.2 ? 0 : 1);
     // In vain: the answer is withheld until its tick has passed.
     while (run.navigator().now() <= problem->take_over)
       run.navigator().tick(slid, {});
