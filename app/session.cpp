@@ -31,8 +31,8 @@ RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_fi
 SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
                                          long seed) {
   if (options.scenario && on != "sim")
-    throw InputError(fmt::format("--scenario {} with --on {}: must be --on sim, there is physics",
-                                 *options.scenario, on));
+    throw InputError(
+        fmt::format("--scenario {} with --on {}: must be --on sim, there is physics", *options.scenario, on));
   if (!options.scenario && options.times != 1.0)
     throw InputError(fmt::format("--times {} without --scenario: there is nothing to be farther from", options.times));
   SimulatedRobot::Parameters parameters;

@@ -11,7 +11,7 @@ namespace baton::app {
 namespace {
 
 constexpr double kSlipShows = 2.0;  ///< of having slipped, for which the operator is told [s]
-constexpr double kShows = 0.2;  ///< of being pushed off its way before the operator is told [s]
+constexpr double kShows = 0.2;      ///< of being pushed off its way before the operator is told [s]
 
 }  // namespace
 

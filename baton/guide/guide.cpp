@@ -337,7 +337,8 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
   } else if (from.contact.left && from.contact.right) {
     const Vec3 ahead = rotation_z(-from.heading()) * Vec3(by.x(), by.y(), 0);
     if (std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
-    // It stands on the foot to whose side it is pushed; if it is to neither, the one that carries less leaves the ground.
+    // It stands on the foot to whose side it is pushed; if it is to neither, the one that carries less leaves the
+    // ground.
     const auto far = [&](Side side) { return (from.sole[side].p - from.com).head<2>().norm(); };
     const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
     const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)

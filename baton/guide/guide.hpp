@@ -63,8 +63,8 @@ class Guide {
   [[nodiscard]] GuideResult stops(const GuideContext& context) const;
 
   /// Steps for a robot that is pushed off its way, from the posture `context.from`, which may move: the foot that is in
-  /// the air, or about to leave the ground, or one of both, lands `by` farther [m], or half as far, as its region allows.
-  /// Nothing where no step helps: sideways on both feet, as the one that would have to step carries the weight.
+  /// the air, or about to leave the ground, or one of both, lands `by` farther [m], or half as far, as its region
+  /// allows. Nothing where no step helps: sideways on both feet, as the one that would have to step carries the weight.
   [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by) const;
 
  private:
@@ -86,7 +86,8 @@ class Guide {
   /// the COM as high as at the start, and with the trunk upright too.
   void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
   void arms_home(Goal& goal) const;
-  /// The foot at a place on the ground, as far from edges as the profile says or as given, or in the air `lift` above it.
+  /// The foot at a place on the ground, as far from edges as the profile says or as given, or in the air `lift` above
+  /// it.
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
                                 const Range& forward, std::optional<double> edge = {}) const;
   /// Of the places in the foot's region, the nearest to `at` that can be stood on.

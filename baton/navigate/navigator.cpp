@@ -71,8 +71,8 @@ Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
     : robot_(&robot), modes_(modes), guide_(robot, world), planner_(robot, world, modes.duration) {}
 
 PlanningResult Planning::plan(const Problem& problem) {
-  PlanningResult result{problem.take_over, problem.command, problem.context, outcome(problem), problem.trail,
-                        problem.catches};
+  PlanningResult result{problem.take_over, problem.command, problem.context,
+                        outcome(problem),  problem.trail,   problem.catches};
   const auto* motion = std::get_if<Motion>(&result.outcome);
   if (motion == nullptr || motion->retraces) return result;
   if (problem.replaced_at < 0) {

@@ -224,12 +224,12 @@ class Navigator {
   const State* state_ = nullptr;
   JointTarget soft_;  ///< after a fall: nothing is asked of the motors
   Guard guard_ = Guard::armed;
-  int guard_ticks_ = 0;     ///< for which what would change it has been so
-  bool disturbed_ = false;  ///< the DCM is too far from where it should be for anything new
+  int guard_ticks_ = 0;          ///< for which what would change it has been so
+  bool disturbed_ = false;       ///< the DCM is too far from where it should be for anything new
   std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
   long slips_ = 0;
   double last_slip_ = 0.0;
-  long caught_ = 0;         ///< motions of that kind so far
+  long caught_ = 0;  ///< motions of that kind so far
 
   long committed_ = 0;                     ///< motions so far
   Side last_step_ = Side::right;           ///< before the motion under way

@@ -173,7 +173,7 @@ TEST_P(FootingTest, AFootThatShouldCarryLooksForTheGroundFartherDown) {
       senseless.follow(held_, held_, as_planned(held_, {Wrench{}, Wrench{}}), wanted);
       ASSERT_TRUE(nothing(senseless.offset().left)) << "no sole is known to carry";
     }
-    EXPECT_EQ(before < -0.03 * size_, planned > 0.1) << planned;
+    EXPECT_EQ(before<-0.03 * size_, planned> 0.1) << planned;
     // It has found it, 2 mm below.
     State found = as_planned(held_, wanted);
     found.sole.left.p.z() -= 0.008 * size_;

@@ -216,9 +216,9 @@ TEST_P(GuideTest, AFootIsBroughtIntoItsRegion) {
         // On the border of the region, as near to what was asked for as it goes.
         const Pose relative = context.from.sole[other(side)].inverse() * goals->front().sole[side];
         const double outward = sign_of(side) * relative.p.y();
-        const double off = std::min(
-            {std::abs(relative.p.x() - region.foot_x.lo), std::abs(relative.p.x() - region.foot_x.hi),
-             std::abs(outward - region.foot_lateral.lo), std::abs(outward - region.foot_lateral.hi)});
+        const double off =
+            std::min({std::abs(relative.p.x() - region.foot_x.lo), std::abs(relative.p.x() - region.foot_x.hi),
+                      std::abs(outward - region.foot_lateral.lo), std::abs(outward - region.foot_lateral.hi)});
         EXPECT_LT(off, 1e-9);
         ++brought;
       }

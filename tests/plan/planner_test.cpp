@@ -101,8 +101,7 @@ TEST_P(PlannerTest, AFootInTheAirThatLandsBesideGoesThereBeforeItSinks) {
     PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{});
     ASSERT_TRUE(std::holds_alternative<Motion>(lift));
     const Posture hanging = std::get<Motion>(lift).end;
-    const GuideResult landings =
-        guide.landings({hanging, at_home.anchor, at_home.last_step, at_home.foothold}, side);
+    const GuideResult landings = guide.landings({hanging, at_home.anchor, at_home.last_step, at_home.foothold}, side);
     Goal goal = std::get<std::vector<Goal>>(landings).front();
     goal.sole[side].p += size_ * Vec3(0.04 * unit(random), sign_of(side) * 0.01 * (1.0 + unit(random)), 0);
     const Vec3 way = goal.sole[side].p - hanging.sole[side].p;
