@@ -234,7 +234,7 @@ describe('the ways back', () => {
   async function hasEnded(): Promise<void> {
     await page.waitForSelector('#recall', { state: 'hidden', ...patience });
     await atRest();
-    expect(await page.locator('.ways .on').count()).toBe(0);
+    await page.waitForSelector('.ways .on', { state: 'detached', ...patience });
     const [rest, motions] = [await comY(), await left()];
     await page.waitForTimeout(700);
     expect(await comY()).toBe(rest);
