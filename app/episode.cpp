@@ -262,21 +262,9 @@ long Episodes::ticks() const {
 }
 
 std::function<Command()> Episodes::stick(long index) const {
-  const Driving driving = course_.scenario == nullptr ? Driving::random : course_.scenario->driving;
-  switch (driving) {
-    case Driving::random:
-      return [stick = Stick(mixed_seed(course_.seed, static_cast<std::uint64_t>(index)),
-                            robot_->profile().tick.period)]() mutable { return stick.next(); };
-    case Driving::stand:
-      return [] { return Command{}; };
-    case Driving::walk:
-      return [] {
-        Command forward;
-        forward.axes[0] = 1.0;
-        return forward;
-      };
-  }
-  return {};
+  static const Scenario random{};
+  return stick_of(course_.scenario == nullptr ? random : *course_.scenario, *robot_,
+                  mixed_seed(course_.seed, static_cast<std::uint64_t>(index)));
 }
 
 EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {

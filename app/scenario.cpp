@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "app/stick.hpp"
@@ -16,7 +17,12 @@ constexpr double kHeight = 0.26;    ///< COM height of mighty, for which lengths
 constexpr double kMomentum = 8.83;  ///< m √(g h) of mighty, for which impulses are given [N·s]
 constexpr double kSettled = 2.0;    ///< when the single pushes begin [s]
 constexpr int kDirections = 8;
-constexpr double kInstants = 0.05;  ///< from one instant of a single push to the next [s]
+constexpr int kInstants = 20;
+constexpr double kApart = 0.05;   ///< from one instant of a single push to the next [s]
+constexpr double kSwings = 0.8;   ///< in which a foot in the air is guided once to and fro [s]
+constexpr double kShifts = 2.0;   ///< from one shift of the trunk to the next [s]
+constexpr double kShifted = 0.3;  ///< for which the stick is held [s]
+constexpr double kShift = 0.3;    ///< as far
 
 /// Horizontal, of this length.
 Vec3 horizontal(double angle, double length) {
@@ -57,6 +63,9 @@ const std::vector<Scenario>& scenarios() {
       {"push_side", "standing: 1.2 N s sideways", Driving::stand, 6.0},
       {"push_fore", "standing: 1.0 N s fore and aft", Driving::stand, 6.0},
       {"push_walk", "walking: 0.6 N s, 8 directions, 20 instants", Driving::walk, 8.0},
+      {"push_swing", "a foot in the air: 0.6 N s, 8 directions, 20 instants", Driving::swing, 8.0},
+      {"floors", "friction 0.4 to 1.0"},
+      {"creep", "mass + or - 10 %, the trunk shifted to and fro", Driving::shift},
   };
   return all;
 }
@@ -82,11 +91,12 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   plant.seed = mixed_seed(seed, 78);
   plant.tile_side *= height / kHeight;
   const auto single_push = [&](double size, double angle) {
-    const double instant = static_cast<double>(seed / kDirections % 20);
-    plant.pushes = {{kSettled + kInstants * instant, 0.05, horizontal(angle, size * impulse)}};
+    const double instant = static_cast<double>(seed / kDirections % kInstants);
+    plant.pushes = {{kSettled + kApart * instant, 0.05, horizontal(angle, size * impulse)}};
   };
   if (is == "friction") plant.friction = 0.3;
-  if (is == "mass") plant.mass = 1.0 + (seed % 2 == 0 ? 0.1 : -0.1) * times;
+  if (is == "floors") plant.friction = 0.7 + 0.3 * dice.axis();
+  if (is == "mass" || is == "creep") plant.mass = 1.0 + (seed % 2 == 0 ? 0.1 : -0.1) * times;
   if (is == "com") plant.com_offset = horizontal(way, 0.010 * length);
   if (is == "gain") plant.gain = 1.0 - 0.2 * times;
   if (is == "strength") plant.strength = 1.0 - 0.1 * times;
@@ -99,7 +109,7 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   if (is == "stiff_tiles") plant.tiles = 0.002 * length;
   if (is == "contact") plant.solref = 0.002 * std::pow(20.0, 0.5 * (1.0 + dice.axis()));
   if (is == "push") plant.pushes = pushes(dice, 0.6 * impulse, scenario.seconds, 2000, 4000);
-  if (is == "push_stand" || is == "push_walk")
+  if (is == "push_stand" || is == "push_walk" || is == "push_swing")
     single_push(0.6, 2.0 * M_PI / kDirections * static_cast<double>(seed % kDirections));
   if (is == "push_side") single_push(1.2, seed % 2 == 0 ? M_PI_2 : -M_PI_2);
   if (is == "push_fore") single_push(1.0, seed % 2 == 0 ? 0.0 : M_PI);
@@ -125,6 +135,43 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
     plant.pushes = pushes(dice, 0.3 * impulse, scenario.seconds, 2000, 4000);
   }
   return plant;
+}
+
+std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed) {
+  const double period = robot.profile().tick.period;
+  switch (scenario.driving) {
+    case Driving::random:
+      return [stick = Stick(seed, period)]() mutable { return stick.next(); };
+    case Driving::stand:
+      return [] { return Command{}; };
+    case Driving::walk:
+      return [] {
+        Command forward;
+        forward.axes[0] = 1.0;
+        return forward;
+      };
+    case Driving::swing:
+      return [tick = 0L, period, side = seed % 2 == 0 ? Side::left : Side::right]() mutable {
+        Command swings;
+        swings.guide = foot(side);
+        swings.lift[side] = 0.5;
+        const double t = static_cast<double>(tick++) * period;
+        if (t > 0.5 * kSettled) swings.axes[0] = std::fmod(t, kSwings) < 0.5 * kSwings ? 1.0 : -1.0;
+        return swings;
+      };
+    case Driving::shift:
+      return [tick = 0L, period]() mutable {
+        // Each way, back, and to rest in between; one axis after the other.
+        constexpr std::array<std::pair<int, double>, 4> ways{{{1, 1.0}, {1, -1.0}, {0, 1.0}, {0, -1.0}}};
+        const double t = static_cast<double>(tick++) * period;
+        const auto [axis, way] = ways[static_cast<std::size_t>(t / kShifts) % ways.size()];
+        Command shift;
+        const double since = std::fmod(t, kShifts);
+        if (since > kShifts - kShifted) shift.axes[axis] = kShift * way;
+        return shift;
+      };
+  }
+  return {};
 }
 
 Drive drive_of(const Scenario& scenario, const RobotModel& robot) {

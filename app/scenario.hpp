@@ -1,6 +1,7 @@
 /// What a robot meets in physics that its model does not have (docs/balance.md).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,8 @@ enum class Driving {
   random,  ///< docs/soak.md
   stand,   ///< nothing
   walk,    ///< the trunk is guided forward, all the time
+  swing,   ///< a foot is guided in the air, fore and aft
+  shift,   ///< the trunk is guided to and fro, between moments of rest; no step is due
 };
 
 struct Scenario {
@@ -32,6 +35,9 @@ struct Scenario {
 /// One such plant. Lengths and impulses grow with the robot.
 /// @param times factor on how far it is from the model
 [[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0);
+
+/// The stick of such an episode, tick by tick.
+[[nodiscard]] std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
 /// The drive that the robot has there.
 [[nodiscard]] Drive drive_of(const Scenario& scenario, const RobotModel& robot);

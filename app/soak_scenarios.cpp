@@ -25,6 +25,7 @@ struct Row {
   double tilt = 0.0;            ///< the largest of the trunk [deg]
   std::array<double, 4> rms{};  ///< of the COM, soles, hands, ZMP [m]: sums of squares by time, until `json`
   double estimate = 0.0;        ///< the largest error of the trunk's place, as share of the way it came
+  double drift = 0.0;           ///< the largest change of the COM's height, from the first rest to the last [m]
   std::vector<long> seeds;      ///< of those that fell
 
   void add(const EpisodeResult& result, long seed, double period);
@@ -53,6 +54,8 @@ void Row::add(const EpisodeResult& result, long seed, double period) {
     rms[i] += lasted * value * value;
   }
   estimate = std::max(estimate, tracking.at("estimate_share").get<double>());
+  const Json& height = result.summary.at("com_height_m");
+  drift = std::max(drift, std::abs(height.at("last").get<double>() - height.at("first").get<double>()));
 }
 
 Json Row::json(const Scenario& scenario) const {
@@ -65,7 +68,8 @@ Json Row::json(const Scenario& scenario) const {
           {"fell_with_seeds", seeds},   {"simulated_s", seconds},
           {"segments", tally.segments}, {"commands", {{"given", tally.given}, {"moved", tally.moved}}},
           {"travel_m", tally.travel},   {"violations", tally.bad},
-          {"tilt_deg_max", tilt},       {"tracking", tracking}};
+          {"tilt_deg_max", tilt},       {"com_height_drift_m", drift},
+          {"tracking", tracking}};
 }
 
 void print_head() {
@@ -136,6 +140,9 @@ int soak_scenarios(const SoakOptions& o) {
     }
     if (terminal) fmt::print(stderr, "\r\x1b[K");
     print(row);
+    if (scenario.driving == Driving::shift) {
+      fmt::print("{:11}  the COM's height, from the first rest to the last: {:.2f} mm at most\n", "", 1e3 * row.drift);
+    }
     report["scenarios"][row.name] = row.json(scenario);
     fell = fell || row.fell > 0;
     if (o.report) write_whole(*o.report, report.dump(2) + '\n');

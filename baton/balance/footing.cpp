@@ -42,6 +42,8 @@ Footing::Rates Footing::rates_for(Drive drive) {
   Rates rates;
   if (drive != Drive::stiff) return rates;
   // Here the soles' forces are all there is to balance with.
+  rates.relax = 0.0;
+  rates.untwist = 0.0;
   rates.height = 3.0;
   rates.turn = 3.0;
   rates.yield_turn = 3.0;
@@ -68,11 +70,12 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
     const double load = state.force[side].force.z() / weight_;
     carries[side] = load < kCarries ? 0.0 : std::clamp(load / kFull, 0.0, 1.0);
   }
+  if (now.contact.left && now.contact.right && carries.left > 0.0 && carries.right > 0.0) relax(state, wanted);
   for (const Side side : kSides) {
-    // A foot on its way down follows ground that comes early; one on its way up must not cling to what it leaves.
     const bool misses = now.contact[side] && wanted[side].force.z() > kShould * weight_ && carries[side] == 0.0 &&
                         carries[other(side)] > 0.0;
     missed_[side] = misses ? missed_[side] + period_ : 0.0;
+    // A foot on its way down follows ground that comes early; one on its way up must not cling to what it leaves.
     const bool lands = next.sole[side].p.z() < now.sole[side].p.z();
     if ((now.contact[side] || lands) && carries[side] > 0.0) {
       follow_ground(side, carries[side], now, state, wanted[side]);
@@ -84,8 +87,23 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       // In the air: back to the plan, inclined as the other one stands.
       Offset& offset = offset_[side];
       offset.p *= 1.0 - share_of(kAirRate);
-      offset.turn += share_of(kAirRate) * (offset_[other(side)].turn - offset.turn);
+      const Vec3& stands = offset_[other(side)].turn;
+      offset.turn += share_of(kAirRate) * (Vec3(stands.x(), stands.y(), 0.0) - offset.turn);
     }
+  }
+}
+
+void Footing::relax(const State& state, const BySide<Wrench>& wanted) {
+  // Half of the difference: what both have too much of is not between them.
+  const Wrench& left = wanted.left;
+  const Wrench& right = wanted.right;
+  const Vec3 force = (state.force.left.force - left.force) - (state.force.right.force - right.force);
+  const double twist = (state.force.left.moment - left.moment).z() - (state.force.right.moment - right.moment).z();
+  const Vec2 apart = 0.5 * force.head<2>() / weight_;
+  const double against = 0.5 * twist / (weight_ * height_);
+  for (const Side side : kSides) {
+    offset_[side].p.head<2>() += sign_of(side) * share_of(rates_.relax) * height_ * apart;
+    offset_[side].turn.z() += sign_of(side) * share_of(rates_.untwist) * against;
   }
 }
 
@@ -111,9 +129,8 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;
   const Vec2 pressure = Vec2(-moment.y(), moment.x()) / force.force.z();
   if (robot_->sole(side).margin(pressure) > kInside * height_) {
-    Vec3 turned = rotation_error(state.sole[side].R, now.sole[side].R);
-    turned.z() = 0.0;
-    offset.turn += carries * share_of(rates_.turn) * (beyond(turned, kLevel) - offset.turn);
+    const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
+    offset.turn.head<2>() += carries * share_of(rates_.turn) * (beyond(turned, kLevel) - offset.turn.head<2>());
   }
   offset.p.z() = std::clamp(offset.p.z(), -kMostHeight * height_, kMostHeight * height_);
   offset.p.head<2>() = bounded(Vec2(offset.p.head<2>()), kMostPlace * height_);

@@ -25,20 +25,22 @@ class Footing {
   /// Displacement of a sole from its planned pose, in the planning frame.
   struct Offset {
     Vec3 p = Vec3::Zero();     ///< [m]
-    Vec3 turn = Vec3::Zero();  ///< rotation vector, horizontal [rad]
+    Vec3 turn = Vec3::Zero();  ///< rotation vector [rad]
   };
   [[nodiscard]] const BySide<Offset>& offset() const { return offset_; }
 
  private:
   /// Rates are [1/s].
   struct Rates {
-    double height = 15.0;       ///< at which the height of a sole that carries is followed
-    double early = 30.0;        ///< the same of a foot on its way down, whose ground comes early
-    double early_trust = 0.0;   ///< share of those rates with which that begins, be its load as small as it may
-    double late = 0.3;          ///< at which a foot that should carry looks for ground farther down [COM heights/s]
-    double place = 8.0;         ///< its horizontal place
-    double turn = 8.0;          ///< its inclination
-    double yield_turn = 8.0;    ///< [rad/s] by a moment too much of weight × COM height
+    double height = 15.0;      ///< at which the height of a sole that carries is followed
+    double early = 30.0;       ///< the same of a foot on its way down, whose ground comes early
+    double early_trust = 0.0;  ///< share of those rates with which that begins, be its load as small as it may
+    double late = 0.3;         ///< at which a foot that should carry looks for ground farther down [COM heights/s]
+    double place = 8.0;        ///< its horizontal place
+    double turn = 8.0;         ///< its inclination
+    double relax = 1.0;       ///< [COM heights/s] by a force of the weight with which the legs press against each other
+    double untwist = 2.0;     ///< [rad/s] by such a moment about the vertical of weight × COM height
+    double yield_turn = 8.0;  ///< [rad/s] by a moment too much of weight × COM height
     double yield_height = 0.2;  ///< [COM heights/s] by a force too much of the weight
     double yield_early = 0.2;   ///< the same of a foot on its way down
     double band_turn = 0.04;    ///< pressure that is off by less is not yielded to [COM height]
@@ -47,6 +49,9 @@ class Footing {
   [[nodiscard]] static Rates rates_for(Drive drive);
   [[nodiscard]] double share_of(double rate) const { return std::min(1.0, period_ * rate); }
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
+
+  /// Lets the soles go apart, or together, until the legs no longer press against each other.
+  void relax(const State& state, const BySide<Wrench>& wanted);
 
   const RobotModel* robot_;
   Rates rates_;

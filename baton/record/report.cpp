@@ -152,6 +152,19 @@ void Report::add(const TickRecord& record) {
     measured_margin_ = std::min(measured_margin_, margin);
   }
   track(record);
+  note_height(nav);
+}
+
+void Report::note_height(const Navigator& navigator) {
+  const bool rested = std::exchange(rests_, navigator.phase() == Phase::hold);
+  const BySide<bool>& contact = navigator.sample().contact;
+  if (!contact.left || !contact.right) return;
+  if (rests_) {
+    const double ground = 0.5 * (kinematics_.sole(Side::left).p.z() + kinematics_.sole(Side::right).p.z());
+    height_ = kinematics_.com().z() - ground;
+  } else if (rested && first_height_ == 0.0) {
+    first_height_ = height_;
+  }
 }
 
 void Report::track(const TickRecord& record) {
@@ -228,6 +241,7 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
             {"way_m", way_},
             {"estimate_max_m", tracking_.estimate},
             {"estimate_share", tracking_.share}}},
+          {"com_height_m", {{"first", first_height_}, {"last", height_}}},
           {"tilt_deg_max", tilt_ * 180.0 / M_PI},
           {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
           {"final", final}};

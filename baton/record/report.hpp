@@ -80,6 +80,10 @@ class Report {
   double planned_margin_ = std::numeric_limits<double>::infinity();
   double measured_margin_ = std::numeric_limits<double>::infinity();
   double tilt_ = 0.0;
+  /// Height of the COM above the soles at the end of the first and of the last rest on both feet [m].
+  double first_height_ = 0.0;
+  double height_ = 0.0;
+  bool rests_ = false;
 
   /// How well the plan is followed, seen from the soles that stand.
   struct Tracking {
@@ -93,6 +97,7 @@ class Report {
     double share = 0.0;  ///< the largest of estimate over way, once it has come some way
   };
   void track(const TickRecord& record);
+  void note_height(const Navigator& navigator);
 
   Kinematics planned_;
   Tracking tracking_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "app/scenario.hpp"
 #include "app/session.hpp"
 #include "tests/verify/sample_motions.hpp"
 
@@ -254,7 +255,6 @@ TEST_P(FootingTest, WhateverIsMeasuredItIsBounded) {
         ASSERT_LE(std::abs(offset.p.z()), kMostHeight * size_);
         ASSERT_LE(offset.p.head<2>().norm(), kMostPlace * size_ * (1.0 + 1e-12));
         ASSERT_LE(offset.turn.norm(), kMostTurn * (1.0 + 1e-12));
-        ASSERT_EQ(offset.turn.z(), 0.0);
       }
       kinematics_.set(now.q);
       VecX q = now.q.tail(n_);
@@ -316,6 +316,62 @@ TEST_P(FootingTest, ASoleYieldsToTheForceThatIsTooMuch) {
       const double excess = robot == &stiff_ ? random_(0.001, 0.4) : random_(0.15, 0.4);
       ASSERT_GT(after(*robot, excess, 10), 0.0) << "up, out of the way";
       ASSERT_LT(after(*robot, -excess, 10), 0.0) << "down, to where the ground is";
+    }
+  }
+}
+
+TEST_P(FootingTest, LegsThatPressAgainstEachOtherGiveWay) {
+  for (int trial = 0; trial < 200; ++trial) {
+    const Vec3 apart = random_(0.01, 0.2) * weight_ * random_.way();
+    const Vec3 twist = random_(-0.05, 0.05) * weight_ * size_ * Vec3::UnitZ();
+    const Vec3 common = 0.1 * weight_ * random_.way();  // what the robot is moved by, both soles alike
+    const auto after = [&](const RobotModel& robot, double share) {
+      BySide<Wrench> force = halves_;
+      for (const Side side : kSides) {
+        force[side].force += sign_of(side) * share * apart + common;
+        force[side].moment += sign_of(side) * share * twist;
+      }
+      Footing footing(robot);
+      for (int tick = 0; tick < 10; ++tick)
+        footing.follow(held_, held_, as_planned(held_, force), halves_);
+      return footing.offset();
+    };
+    const BySide<Footing::Offset> offset = after(robot_, 1.0);
+    EXPECT_GT(offset.left.p.dot(apart), 0.0) << "to where it is pressed";
+    EXPECT_LT(offset.left.p.cross(apart).norm(), 1e-9 * offset.left.p.norm() * apart.norm());
+    EXPECT_GT(offset.left.turn.dot(twist), 0.0);
+    EXPECT_LT((offset.left.p + offset.right.p).norm(), 1e-12 * size_) << "the other one as far the other way";
+    EXPECT_LT((offset.left.turn + offset.right.turn).norm(), 1e-12);
+    EXPECT_GT(after(robot_, 1.5).left.p.norm(), offset.left.p.norm()) << "more, the more there is";
+    EXPECT_TRUE(nothing(after(robot_, 0.0).left)) << "what moves the whole robot is not theirs";
+    EXPECT_TRUE(nothing(after(stiff_, 1.0).left)) << "servos that only hold do not feel it";
+  }
+}
+
+TEST(Footing, FeetThatStandDoNotCreepApartUnderAWrongMass) {  // 25 mm in two minutes, once
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("flat");
+  const app::Scenario& creep = app::scenario_named("creep");
+  for (const std::uint64_t seed : {0u, 1u}) {
+    SimulatedRobot::Parameters parameters;
+    parameters.plant = app::plant_of(creep, robot, seed);
+    app::Session session(robot, world, app::Session::On::sim, std::nullopt, parameters);
+    const auto stick = app::stick_of(creep, robot, seed);
+    Kinematics kinematics(robot);
+    Pose before;
+    while (session.t() < 40.0) {
+      session.step(stick());
+      ASSERT_FALSE(session.fallen());
+      if (std::abs(session.t() - 8.0) > 1e-6 && session.t() < 40.0 - 1e-6) continue;
+      kinematics.set(session.truth().q);
+      const Pose between = kinematics.sole(Side::left).inverse() * kinematics.sole(Side::right);
+      if (session.t() < 9.0) {
+        before = between;
+      } else {
+        EXPECT_LT((between.p - before.p).norm(), 2e-4);
+        EXPECT_LT(rotation_error(between.R, before.R).norm(), 1e-3);
+        EXPECT_GT(session.navigator().committed(), 30);
+      }
     }
   }
 }
