@@ -327,8 +327,10 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
   const auto add = [&](Side side, const Vec2& at, double yaw, SegmentKind kind) {
     const Placement placement = nearest_place(context, side, at, yaw, profile.region.foot_x);
     if (placement.against) return;
-    goals.push_back(landing(context, side, placement.sole));
-    goals.back().kind = kind;
+    Goal goal = landing(context, side, placement.sole);
+    goal.kind = kind;
+    goals.push_back(goal);
+    add_nominal(context, goal, goals);
   };
   if (context.step) {
     const Pose& to = context.step->to;
@@ -343,9 +345,11 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
     const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
     const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)
                                 : (ahead.y() < 0.0 ? Side::left : Side::right);
-    for (const Side side : {first, other(first)}) {
-      if (!straight && side != first) continue;
-      if (from.lift_off && from.lift_off->side != side) continue;
+    // But a foot that is about to leave the ground is the one that can.
+    const bool either = straight && !from.lift_off;
+    const Side best = from.lift_off ? from.lift_off->side : first;
+    for (const Side side : {best, other(best)}) {
+      if (!either && side != best) continue;
       const Pose& stance = from.sole[other(side)];
       const Vec3 beside = stance.p + stance.R * Vec3(0, sign_of(side) * profile.stance.width, 0);
       for (const double share : kCatches)
@@ -430,8 +434,18 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   if (still && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }
+  goal.com.head<2>() = (context.back * goal.com).head<2>();
+  goal.trunk = context.back.R * goal.trunk;
   arms_home(goal);
-  return stand_under(context, goal);
+  GuideResult result = stand_under(context, goal);
+  auto* goals = std::get_if<std::vector<Goal>>(&result);
+  for (std::size_t i = 0; goals != nullptr && i < goals->size(); ++i) {
+    // Where no foot gets there, only the turn is made up for.
+    Goal& made = (*goals)[i];
+    const bool there = (made.com - goal.com).head<2>().norm() < kSamePlace;
+    made.back = there ? context.back : Pose{made.com - context.back.R * made.com, context.back.R};
+  }
+  return result;
 }
 
 GuideResult Guide::guide_hand(const GuideContext& context, const Command& command) const {

@@ -28,6 +28,9 @@ struct GuideContext {
   };
   std::optional<Step> step{};
   bool goes_on = false;  ///< the stick is held: better a step now than where there is no other way
+
+  Pose way{};   ///< where the planning frame would be if no sole had slid
+  Pose back{};  ///< of the move there, in the planning frame, what a guided trunk makes up for now
 };
 
 /// Nothing is asked for; goals, the one that the rules prefer first and then what else would serve the command; or

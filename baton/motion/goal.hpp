@@ -29,6 +29,7 @@ struct Goal {
   Part guided = Part::trunk;
   std::optional<Side> swing;  ///< the foot that moves, if one does
   bool returns = false;       ///< it lands where it stood last
+  Pose back{};                ///< the part of it that makes up for soles that slid, a move of the planning frame
   BySide<Pose> sole;
   BySide<bool> contact{true, true};
   Vec3 com = Vec3::Zero();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "baton/ik/moving.hpp"
@@ -15,6 +16,7 @@ constexpr int kShrinkings = 3;            ///< shares of a goal that are tried
 constexpr std::size_t kAxesTried = 3;     ///< one by one, when nothing along the direction can be had
 constexpr double kWorth = 0.05;           ///< least part of the guided part's reach that a shrunk motion makes
 constexpr double kSlip = 0.2;             ///< jump of the planning frame that is a slip, of the reach of a foot
+constexpr double kMakesUp = 0.05;         ///< how much of the trunk's reach a motion makes up for
 constexpr std::ptrdiff_t kHistory = 200;  ///< motions that are kept to be retraced
 constexpr long kHistoryTicks = 100000;    ///< of all of them together
 constexpr int kMostLate = 5;              ///< doublings of the lookahead, at rest, when answers come too late
@@ -38,12 +40,44 @@ constexpr double kFlat = 0.1;          ///< and no more inclined [rad]
 constexpr double kReserve = 0.05;      ///< of the ZMP's room, with which a step that catches the robot is made
 constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: the push may go on [COM height]
 constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
-constexpr double kBack = 0.01;         ///< error below which it is again
+constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
+constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
+constexpr double kBack = 0.01;              ///< error below which it is again
+
+/// What a step that catches the robot may use up: what is there for a plan to be followed well, not what the robot
+/// needs afterwards to go on from where it stands.
+RobotModel hasty(const RobotModel& robot) {
+  Profile profile = robot.profile();
+  profile.margin.zmp_plan = profile.margin.zmp_feedback;
+  profile.margin.torque = 1.0;
+  profile.margin.acceleration *= kHastyAcceleration;
+  profile.swing.clearance *= kHastySwing;
+  profile.swing.time *= kHastySwing;
+  return RobotModel(std::move(profile));
+}
 
 /// Sample at which the last phase begins.
 int last_phase_of(const Motion& motion) {
   return motion.ticks() - motion.phases.back().ticks;
 }
+
+/// A level move, seen from a point: how far it takes it, and how it turns.
+struct LevelMove {
+  Vec2 shift;
+  double turn;
+
+  LevelMove(const Pose& move, const Vec3& point) : shift((move * point - point).head<2>()), turn(yaw_of(move.R)) {}
+  void bound(double most, double most_turn) {
+    if (shift.norm() > most) shift *= most / shift.norm();
+    turn = std::clamp(turn, -most_turn, most_turn);
+  }
+  [[nodiscard]] Pose pose(const Vec3& point) const {
+    const Mat3 R = rotation_z(turn);
+    Vec3 p = point - R * point;
+    p.head<2>() += shift;
+    return {p, R};
+  }
+};
 
 /// Where the feet stand, and which stepped last, once a goal is reached.
 void note_steps(const Goal& goal, Side& last_step, BySide<Pose>& foothold) {
@@ -68,7 +102,12 @@ bool differs(const Command& a, const Command& b) {
 }  // namespace
 
 Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
-    : robot_(&robot), modes_(modes), guide_(robot, world), planner_(robot, world, modes.duration) {}
+    : robot_(&robot),
+      modes_(modes),
+      guide_(robot, world),
+      planner_(robot, world, modes.duration),
+      hasty_(hasty(robot)),
+      hasty_planner_(hasty_, world) {}
 
 PlanningResult Planning::plan(const Problem& problem) {
   PlanningResult result{problem.take_over, problem.command, problem.context,
@@ -118,22 +157,36 @@ Planning::Outcome Planning::go_back(const Problem& problem) {
 Planning::Outcome Planning::stop(const Problem& problem) {
   GuideResult ways = guide_.stops(problem.context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
-  return quickest(std::get<std::vector<Goal>>(ways), problem);
+  return quickest(planner_, std::get<std::vector<Goal>>(ways), problem);
 }
 
 Planning::Outcome Planning::catch_step(const Problem& problem) {
   const GuideResult ways = guide_.catches(problem.context, *problem.catches);
   const auto* goals = std::get_if<std::vector<Goal>>(&ways);
   if (goals == nullptr) return std::monostate{};
-  Outcome outcome;
+  // Until a foot lands, what no ZMP holds grows; there, the foot gains what it went farther.
+  const auto lacks = [&](double t, double gained) { return problem.beyond * std::exp(robot_->omega() * t) - gained; };
+  const Vec2 way = problem.catches->normalized();
+  const Profile::Tick& tick = robot_->profile().tick;
+  double least = problem.lands ? lacks(*problem.lands, problem.gains) : std::numeric_limits<double>::infinity();
+  Outcome best;
   for (const Goal& goal : *goals) {
-    outcome = quickest({goal}, problem);
-    if (std::holds_alternative<Motion>(outcome)) break;
+    Outcome outcome = quickest(hasty_planner_, {goal}, problem);
+    const auto* motion = std::get_if<Motion>(&outcome);
+    if (motion == nullptr) continue;
+    const Side side = *goal.swing;
+    const Pose& before = problem.context.step ? problem.context.step->to : problem.context.from.sole[other(side)];
+    const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
+    const double lack = lacks((tick.lookahead + last_phase_of(*motion)) * tick.period, gained);
+    if (lack >= least) continue;
+    least = lack;
+    best = std::move(outcome);
+    if (lack < 0.0) break;
   }
-  return outcome;
+  return best;
 }
 
-Planning::Outcome Planning::quickest(const std::vector<Goal>& goals, const Problem& problem) {
+Planning::Outcome Planning::quickest(Planner& planner, const std::vector<Goal>& goals, const Problem& problem) {
   std::vector<Posture> starts{problem.start};
   if (problem.start.flight) {  // the foot may also come down sooner than it was to
     Flight& flight = *starts.emplace_back(problem.start).flight;
@@ -145,7 +198,7 @@ Planning::Outcome Planning::quickest(const std::vector<Goal>& goals, const Probl
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
     for (const Posture& start : starts) {
-      PlanResult planned = planner_.plan(start, goal, problem.context.anchor, DurationRule::search);
+      PlanResult planned = planner.plan(start, goal, problem.context.anchor, DurationRule::search);
       if (auto* motion = std::get_if<Motion>(&planned)) {
         if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
       } else if (!against) {
@@ -297,6 +350,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   }
   const JointTarget& target = stabiliser_.target(*sample_, next, *state_);
   if (!motion_) settle();
+  if (!motion_ && command_.neutral()) way_ = anchor_;  // who sees it stand there goes on from there
   return target;
 }
 
@@ -344,6 +398,8 @@ std::optional<Problem> Navigator::request() {
     history_.clear();  // what led here does not lead back
     retraced_.reset();
     due->trail.reset();
+    due->context.way = due->context.anchor;
+    due->context.back = {};
     if (due->halt) return std::nullopt;
   }
   // What was refused would be refused again, from the same place.
@@ -379,12 +435,27 @@ bool Navigator::replaceable(int at) const {
 GuideContext Navigator::context_at_rest() const {
   GuideContext context{rest(), anchor_ * slid(), last_step_, foothold_};
   if (motion_) note_steps(motion_->goal, context.last_step, context.foothold);
+  context.way = way_;
   return context;
 }
 
+Pose Navigator::way_back(const GuideContext& context, const Command& command) const {
+  const Vec3 led(command.axes[0], command.axes[1], command.axes[5]);
+  if (command.guide != Part::trunk || command.recall != Recall::none || led.isZero(0.0)) return {};
+  const Vec3& com = context.from.com;
+  LevelMove back(context.anchor.inverse() * context.way, com);
+  if (back.shift.norm() < kInPlace * robot_->profile().stance.com_height && std::abs(back.turn) < kInPlace) return {};
+  const Profile::Reach& reach = robot_->profile().reach;
+  const double share = kMakesUp * std::min(1.0, led.norm());
+  back.bound(share * reach.trunk, share * reach.rotation);
+  return back.pose(com);
+}
+
 Problem Navigator::problem(const Command& command) const {
-  return {tick_ + (static_cast<long>(robot_->profile().tick.lookahead) << late_), command, context_at_rest(), rest(),
-          history_.empty() ? nullptr : history_.back()};
+  Problem due{tick_ + (static_cast<long>(robot_->profile().tick.lookahead) << late_), command, context_at_rest(),
+              rest(), history_.empty() ? nullptr : history_.back()};
+  due.context.back = way_back(due.context, command);
+  return due;
 }
 
 std::optional<Flight> Navigator::flight(int at) const {
@@ -427,6 +498,10 @@ std::optional<Problem> Navigator::problem_of_stopping(int at) const {
   }
   if (halts_ || motion_for_.recall == Recall::stop || tick_ < asked_at_ + std::lround(kReplacing / motion_->period))
     return std::nullopt;
+  return problem_of_ending(at);
+}
+
+Problem Navigator::problem_of_ending(int at) const {
   Problem due = problem_of_replacing(at);
   due.start.flight = flight(at);
   const Goal& goal = motion_->goal;
@@ -455,28 +530,20 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
   double lands = (profile.phases.flow[0] + profile.phases.flow[1]) * profile.duration.first;
   if (motion_) {
     const int at = index_ + lookahead;
-    if (motion_->retraces || at >= motion_->ticks() || tick_ < asked_at_ + std::lround(kReplacing / motion_->period))
-      return std::nullopt;
+    if (motion_->retraces || at >= motion_->ticks()) return std::nullopt;
     catching = at < last_phase_of(*motion_) ? catches_ : std::nullopt;
-    due = problem_of_replacing(at);
+    due = problem_of_ending(at);
     due.command = Command{.guide = command_.guide};
-    due.start.flight = flight(at);
     const Goal& goal = motion_->goal;
     const int lift_off = motion_->phases.front().ticks;
     if (due.start.flight) {
-      const Side up = due.start.flight->side;
-      due.context.last_step = base_.last_step;
-      due.context.foothold = base_.foothold;
-      due.context.step = {up, goal.contact[up] ? goal.sole[up] : base_.foothold[up]};
       if (catching) due.context.step->to.p.head<2>() -= *catching;
       lands = due.start.flight->left;
     } else if (goal.swing && motion_->phases.size() > 1 && at < lift_off) {
       due.start.lift_off = LiftOff{*goal.swing, (lift_off - at) * motion_->period};
-      due.context.last_step = base_.last_step;
-      due.context.foothold = base_.foothold;
+      due.context.from.lift_off = due.start.lift_off;
       lands = due.start.lift_off->left + profile.phases.flow[1] * profile.duration.first;
     }
-    due.context.from = due.start;
   } else if (tick_ < not_before_) {
     return std::nullopt;
   }
@@ -487,6 +554,9 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
   const double then = std::min(least + std::max(0.0, size - room) * (growth - 1.0), profile.region.foot_x.hi);
   if (catching && then < kFarther * catching->norm()) return std::nullopt;
   due.catches = then / size * error;
+  due.beyond = std::max(0.0, size - room);
+  if (due.start.flight) due.lands = lookahead * profile.tick.period + lands;
+  if (catching) due.gains = catching->dot(error) / size;
   return due;
 }
 
@@ -503,6 +573,7 @@ Problem Navigator::problem_on_the_way(int at) const {
   // A lever that moves while the stick is centred changes how high the foot is, not where it goes.
   if (command_.axes.isZero(0.0) && command_.guide == motion_for_.guide) due.command.axes = motion_for_.axes;
   due.context.goes_on = command_.guide == motion_for_.guide && !motion_for_.axes.isZero(0.0);
+  due.context.back = way_back(due.context, due.command);
 
   start.flight = flight(at);
   // Once a foot is up that stays up, all that is left is its way through the air.
@@ -625,6 +696,7 @@ void Navigator::commit(PlanningResult& result) {
   index_ = 0;
   std::swap(base_, result.context);
   anchor_ = base_.anchor;
+  way_ = base_.way * motion_->goal.back.inverse();
   last_step_ = base_.last_step;
   foothold_ = base_.foothold;
   ++committed_;
@@ -692,6 +764,7 @@ void Navigator::begin_anew() {
   posture_ = posture_of(*robot_, state_->q);
   held_ = resting(*robot_, posture_);
   foothold_ = posture_.sole;
+  way_ = anchor_;
   base_ = {};
   sample_ = &held_;
   stabiliser_.reset();

@@ -42,6 +42,11 @@ struct Problem {
   std::optional<Halt> halt{};  ///< a rest on the trail, to stop at on the way back
   /// It is pushed and a step is to catch it: how much farther than planned the foot should land [m].
   std::optional<Vec2> catches{};
+  /// Then: how much farther off the DCM is than a ZMP can hold [m]; and when a foot that is in the air already lands,
+  /// from now on [s], so much farther than was planned for it before it was to catch the robot [m].
+  double beyond{0.0};
+  std::optional<double> lands{};
+  double gains{0.0};
 };
 
 /// The answer: nothing was asked for, a verified motion, or why there is none.
@@ -69,10 +74,10 @@ class Planning {
   [[nodiscard]] Outcome go_back(const Problem& problem);
   /// The quickest of the ways to rest.
   [[nodiscard]] Outcome stop(const Problem& problem);
-  /// A step that catches the robot: the first that goes.
+  /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
   [[nodiscard]] Outcome catch_step(const Problem& problem);
   /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
-  [[nodiscard]] Outcome quickest(const std::vector<Goal>& goals, const Problem& problem);
+  [[nodiscard]] Outcome quickest(Planner& planner, const std::vector<Goal>& goals, const Problem& problem);
   /// To rest at a rest on the trail.
   [[nodiscard]] Outcome halt(const Problem& problem);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
@@ -88,6 +93,8 @@ class Planning {
   Modes modes_;
   Guide guide_;
   Planner planner_;
+  RobotModel hasty_;  ///< the robot with margins for when all that matters is not to fall
+  Planner hasty_planner_;
 };
 
 /// Whether the robot may be moved. It sees for itself that it falls or is lifted off the ground.
@@ -150,9 +157,10 @@ class Navigator {
   [[nodiscard]] const MotionSample& sample() const { return *sample_; }
   [[nodiscard]] const State& state() const { return *state_; }
   [[nodiscard]] const Odometry& odometry() const { return odometry_; }
-  [[nodiscard]] const Stabiliser& stabiliser() const { return stabiliser_; }
   [[nodiscard]] const Correction& correction() const { return stabiliser_.correction(); }
   [[nodiscard]] const Pose& anchor() const { return anchor_; }
+  /// Where the anchor would be if no sole had slid since the robot rested last with the stick let go of.
+  [[nodiscard]] const Pose& way() const { return way_; }
   /// The committed motion, or null in hold.
   [[nodiscard]] const Motion* motion() const { return motion_ ? &*motion_ : nullptr; }
   [[nodiscard]] const Command& command() const { return command_; }
@@ -199,11 +207,15 @@ class Navigator {
   [[nodiscard]] std::optional<Halt> halt_from(int at) const;
   /// The task of coming to rest from there, if there is one.
   [[nodiscard]] std::optional<Problem> problem_of_stopping(int at) const;
+  /// From there, moving, to anything that ends what is under way: a foot in the air can only land.
+  [[nodiscard]] Problem problem_of_ending(int at) const;
   /// A step that takes the robot's feet to where the DCM goes, if no shift of the ZMP can hold it.
   /// @param error of the DCM, in the planning frame [m]
   [[nodiscard]] std::optional<Problem> problem_of_catching(const Vec2& error) const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
+  /// What a trunk that is led by this command makes up for of how far soles slid.
+  [[nodiscard]] Pose way_back(const GuideContext& context, const Command& command) const;
   /// Where the motion that ends next comes to rest, or where the robot rests.
   [[nodiscard]] const Posture& rest() const { return motion_ ? motion_->end : posture_; }
 
@@ -216,6 +228,7 @@ class Navigator {
   long tick_ = -1;
   Command command_;
   Pose anchor_;                           ///< planning frame in the world
+  Pose way_;                              ///< where it would be if no sole had slid
   std::optional<Motion> motion_;          ///< the committed motion; none: the robot rests
   int index_ = 0;                         ///< sample of it that belongs to this tick
   Posture posture_;                       ///< where the robot rests when no motion is left
@@ -227,9 +240,9 @@ class Navigator {
   int guard_ticks_ = 0;          ///< for which what would change it has been so
   bool disturbed_ = false;       ///< the DCM is too far from where it should be for anything new
   std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
+  long caught_ = 0;              ///< motions of that kind so far
   long slips_ = 0;
   double last_slip_ = 0.0;
-  long caught_ = 0;  ///< motions of that kind so far
 
   long committed_ = 0;                     ///< motions so far
   Side last_step_ = Side::right;           ///< before the motion under way

@@ -38,6 +38,12 @@ bool is_finite(const MotionSample& sample) {
          sample.dcom.allFinite() && pose(sample.sole.left) && pose(sample.sole.right);
 }
 
+/// The sample at which a foot is off the ground first, or the end.
+std::vector<MotionSample>::const_iterator first_in_the_air(const Motion& motion) {
+  return std::find_if(motion.samples.begin(), motion.samples.end(),
+                      [](const MotionSample& s) { return !s.contact.left || !s.contact.right; });
+}
+
 }  // namespace
 
 /// Keeps the worst value of each quantity, and the first violation; one that a longer duration may mend gives way to
@@ -188,8 +194,7 @@ double Verifier::edge_margin(const Motion& motion) const {
 
 double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
   const double most = edge_margin(motion);
-  const auto up = std::find_if(motion.samples.begin(), motion.samples.end(),
-                               [](const MotionSample& s) { return !s.contact.left || !s.contact.right; });
+  const auto up = first_in_the_air(motion);
   if (most == 0.0 || up == motion.samples.end()) return most;
   const Side swing = up->contact.left ? Side::right : Side::left;
   const Pose from = anchor * motion.lift_off;
@@ -198,6 +203,16 @@ double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
     if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContact) return margin;
   }
   return 0.0;
+}
+
+double Verifier::lowest(const Motion& motion, const Pose& anchor) const {
+  // A foot that stands lower than the map says leaves the ground from there.
+  const auto up = first_in_the_air(motion);
+  if (up == motion.samples.end()) return kContact;
+  const Side swing = up->contact.left ? Side::right : Side::left;
+  const Pose from = anchor * motion.lift_off;
+  const double off = from.p.z() - world_->highest_under(sole_outline(*robot_, swing, from).inset(-swing_margin_));
+  return std::clamp(off - kSlack, -robot_->profile().ground.flatness, kContact);
 }
 
 double Verifier::clearance(const Motion& motion, std::size_t tick) const {
@@ -225,7 +240,7 @@ void Verifier::check_soles(const Motion& motion, std::size_t tick, const Pose& a
   ledger.enter(Reason::sole_gap, foot(swing), separation(outline, stance), profile.region.sole_gap, t, -1);
   const Pose in_world = anchor * sample.sole[swing];
   const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-swing_margin_));
-  const double least = kContact + clearance(motion, tick);
+  const double least = lowest_ + clearance(motion, tick);
   ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, least, t, -1);
 }
 
@@ -309,6 +324,7 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
                        name_of(robot_->mj(), mjOBJ_GEOM, subject % n));
   };
   swing_margin_ = swing_margin(motion, anchor);
+  lowest_ = lowest(motion, anchor);
   // What is cheap first, and to the end: how far a speed is off says how much longer the motion must take.
   for (int k = 0; k <= motion.ticks(); ++k) {
     const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];

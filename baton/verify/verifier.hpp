@@ -47,6 +47,8 @@ class Verifier {
   /// How far the swing foot stays from higher ground beside it: as far as it should land, or as it stands, after a
   /// slip: else it could not leave.
   [[nodiscard]] double swing_margin(const Motion& motion, const Pose& anchor) const;
+  /// The least height above the ground of a foot that leaves it, or meets it [m].
+  [[nodiscard]] double lowest(const Motion& motion, const Pose& anchor) const;
 
   const RobotModel* robot_;
   const World* world_;
@@ -55,6 +57,7 @@ class Verifier {
   Obstacles obstacles_;
   VecX tau_;
   double swing_margin_ = 0.0;
+  double lowest_ = 0.0;
   double lean_ = 0.0;      ///< the largest tilt of the trunk [rad]
   ConvexPolygon support_;  ///< of the soles that stand
   VecX in_world_;

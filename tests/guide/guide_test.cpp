@@ -267,6 +267,12 @@ TEST_P(GuideTest, AStepCatchesTheRobotWhereOneCan) {
         // It does not lift the foot to whose side it is pushed.
         const bool straight = std::abs(ahead.y()) < 0.1 * std::abs(ahead.x());
         EXPECT_TRUE(straight || sign_of(side) * ahead.y() < 0.0);
+        // One that is about to leave the ground is the one that can.
+        GuideContext leaving = context;
+        leaving.from.lift_off = LiftOff{up, 0.1};
+        const GuideResult left = guide.catches(leaving, by);
+        const auto* ways = std::get_if<std::vector<Goal>>(&left);
+        ASSERT_TRUE(ways == nullptr || ways->front().swing == up);
         ++stood;
       }
     }
@@ -278,6 +284,44 @@ TEST_P(GuideTest, AStepCatchesTheRobotWhereOneCan) {
   }
   EXPECT_GT(stood, 300);
   EXPECT_GT(flew, 300);
+}
+
+TEST_P(GuideTest, AGuidedTrunkMakesUpForSolesThatSlid) {
+  const Guide guide(robot_, flat());
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int led = 0;
+  int turned = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const GuideContext context = this->context(random_stance(random));
+    GuideContext astray = context;
+    astray.back.R = rotation_z(0.01 * unit(random));
+    astray.back.p = 0.05 * robot_.profile().reach.trunk * Vec3(unit(random), unit(random), 0);
+    Command command;
+    command.axes << unit(random), unit(random), 0, 0, 0, unit(random);
+    const GuideResult plain = guide.goals(context, command);
+    const GuideResult result = guide.goals(astray, command);
+    const auto* goals = std::get_if<std::vector<Goal>>(&result);
+    if (goals == nullptr || !std::holds_alternative<std::vector<Goal>>(plain)) continue;
+    const Vec3 asked =
+        context.from.com + rotation_z(context.from.heading()) * command.axes.head<3>() * robot_.profile().reach.trunk;
+    for (const Goal& goal : *goals) {
+      ASSERT_LT(rotation_error(goal.back.R, astray.back.R).norm(), 1e-12);
+      // What it says to have made up for, it has.
+      const bool there = (goal.com - astray.back * asked).head<2>().norm() < 1e-3;
+      EXPECT_LT((goal.back * asked - (there ? astray.back * asked : asked)).head<2>().norm(),
+                there ? 1e-12 : (goal.com - asked).norm() * 0.01 + 1e-12);
+      ++(there ? led : turned);
+    }
+    for (const Goal& goal : std::get<std::vector<Goal>>(plain))
+      EXPECT_TRUE(goal.back.p.isZero(1e-12) && goal.back.R.isIdentity(1e-12));
+    command.guide = Part::left_foot;
+    const GuideResult stepping = guide.goals(astray, command);
+    const auto* steps = std::get_if<std::vector<Goal>>(&stepping);
+    ASSERT_TRUE(steps == nullptr || steps->front().back.p.isZero(0.0));
+  }
+  EXPECT_GT(led, 500);
+  EXPECT_GT(turned, 100);
 }
 
 TEST_P(GuideTest, AFootInTheAirIsLoweredWhenAnotherPartIsGuided) {

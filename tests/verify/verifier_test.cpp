@@ -388,6 +388,19 @@ TEST_P(VerifierTest, RefusesASwingThroughTheGround) {
   EXPECT_LT(refusal.value, refusal.limit);
 }
 
+TEST_P(VerifierTest, AFootThatStandsALittleLowerThanTheMapSaysMayLeave) {
+  Verifier verifier(robot_, world_);
+  const double flatness = robot_.profile().ground.flatness;
+  for (double share = -0.9; share < 1.0; share += 0.1) {  // of what a foothold may be off
+    Motion motion = step();
+    const auto verdict = verifier.verify(motion, {Vec3(0, 0, share * flatness), Mat3::Identity()});
+    EXPECT_TRUE(std::holds_alternative<Certificate>(verdict)) << share;
+  }
+  Motion motion = step();
+  const auto verdict = verifier.verify(motion, {Vec3(0, 0, -1.5 * flatness), Mat3::Identity()});
+  EXPECT_TRUE(std::holds_alternative<Refusal>(verdict)) << "but not from below it";
+}
+
 TEST_P(VerifierTest, RefusesAnArmInTheTrunk) {
   const RobotModel anywhere = untracked();
   Verifier verifier(anywhere, world_);
