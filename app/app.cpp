@@ -135,10 +135,10 @@ int parse_and_run(std::vector<std::string> args) {
   verify_command->add_option("--world", verify_options.world, "World, instead of the file's");
 
   ReproduceOptions reproduce_options;
-  CLI::App* reproduce_command = app.add_subcommand("reproduce", "Make figures of the 2008 paper anew");
-  reproduce_command->add_option("what", reproduce_options.what, "fig8 or room")
+  CLI::App* reproduce_command = app.add_subcommand("reproduce", "Make figures of the 2008 paper anew, or walk");
+  reproduce_command->add_option("what", reproduce_options.what, "fig8, room or walks")
       ->required()
-      ->check(CLI::IsMember({"fig8", "room"}));
+      ->check(CLI::IsMember({"fig8", "room", "walks"}));
   reproduce_command->add_option("--out", reproduce_options.out, "Folder for the figures")->required();
 
   OperateOptions operate_options;

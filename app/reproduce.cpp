@@ -7,7 +7,8 @@ namespace baton::app {
 
 int reproduce(const ReproduceOptions& options) {
   make_folder(options.out, "--out");
-  return options.what == "fig8" ? reproduce_fig8(options.out) : reproduce_room(options.out);
+  if (options.what == "fig8") return reproduce_fig8(options.out);
+  return options.what == "room" ? reproduce_room(options.out) : reproduce_walks(options.out);
 }
 
 }  // namespace baton::app

@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "app/app.hpp"
+#include "app/outputs.hpp"
+#include "app/reproduce.hpp"
+#include "app/session.hpp"
+#include "app/stick.hpp"
+#include "baton/input/script.hpp"
+#include "baton/record/plot.hpp"
+#include "baton/record/report.hpp"
+
+namespace baton::app {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kBefore = 1.0;     ///< rest at the beginning [s]
+constexpr double kWalks = 55.0;     ///< for which the stick is held [s]
+constexpr double kAfter = 4.0;      ///< in which the robot comes to rest [s]
+constexpr double kReplans = 0.7;    ///< from one change of mind to the next [s]
+constexpr double kMostTilt = 10.0;  ///< what a walk is held to [deg]
+constexpr double kMostOff = 0.03;   ///< [m]
+
+/// A stick held for some time: forward, left, turn.
+struct Leg {
+  double seconds;
+  Vec3 stick;
+};
+
+struct Walk {
+  std::string name;
+  std::string world;
+  std::vector<Leg> legs;  ///< over and over
+};
+
+std::vector<Walk> walks() {
+  std::vector<Walk> all{
+      {"forward", "flat", {{kWalks, {1, 0, 0}}}},
+      {"backward", "flat", {{kWalks, {-1, 0, 0}}}},
+      {"left", "flat", {{kWalks, {0, 1, 0}}}},
+      {"right", "flat", {{kWalks, {0, -1, 0}}}},
+      {"turn left", "flat", {{kWalks, {0, 0, 1}}}},
+      {"turn right", "flat", {{kWalks, {0, 0, -1}}}},
+      {"curve", "flat", {{kWalks, {1, 0, 0.3}}}},
+      {"diagonal", "flat", {{kWalks, {0.7, -0.7, 0}}}},
+      {"there and back", "flat", {{0.5 * kWalks, {1, 0, 0}}, {0.5 * kWalks, {-1, 0, 0}}}},
+      {"down the steps", "room", {{10.0, {1, 0, 0}}, {kWalks, {0, 0, 1}}}},
+      {"down and up", "room", {{12.0, {1, 0, 0}}, {15.0, {-1, 0, 0}}}},
+      {"replanned", "flat", {}},
+      {"replanned steps", "room", {}},
+  };
+  // One that changes its mind all the time: anywhere on the flat, more or less ahead on the steps.
+  Dice dice(1);
+  for (Walk& walk : all) {
+    for (double t = 0.0; walk.name.starts_with("replanned") && t < kWalks; t += kReplans) {
+      const bool steps = walk.world == "room";
+      const double ahead = steps ? (t < 0.4 * kWalks ? 1.0 : -1.0) : dice.axis();
+      walk.legs.push_back({kReplans, {ahead, 0.5 * dice.axis(), 0.3 * dice.axis()}});
+    }
+  }
+  return all;
+}
+
+Script script_of(const Walk& walk) {
+  std::vector<Script::Entry> entries{{0.0, Command{}}};
+  double t = kBefore;
+  for (std::size_t i = 0; t < kBefore + kWalks - 1e-9; ++i) {
+    const Leg& leg = walk.legs[i % walk.legs.size()];
+    Command command;
+    command.axes << leg.stick.x(), leg.stick.y(), 0.0, 0.0, 0.0, leg.stick.z();
+    entries.push_back({t, command});
+    t += leg.seconds;
+  }
+  entries.push_back({kBefore + kWalks, Command{}});
+  return Script(std::move(entries), walk.name);
+}
+
+/// What came of a walk.
+struct Outcome {
+  Json report;
+  std::vector<Vec2> path;  ///< of the COM, in the world
+  std::vector<Vec2> led;   ///< where its motions would have taken it if no sole had slid
+  double off = 0.0;        ///< how far apart they are at the end [m]
+  double turned = 0.0;     ///< and the headings of the trunk [rad]
+};
+
+Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
+  Session session(robot, world, Session::On::sim);
+  Report report(robot);
+  Kinematics kinematics(robot);
+  Outcome outcome;
+  session.on_tick = [&](const TickRecord& record) {
+    report.add(record);
+    const Navigator& navigator = record.navigator;
+    if (navigator.motion() == nullptr) return;  // at rest it forgets where it was to be
+    kinematics.set(navigator.sample().q);
+    const Pose led{navigator.way() * kinematics.com(), navigator.way().R * kinematics.trunk().R};
+    kinematics.set(record.truth.q);
+    outcome.path.push_back(kinematics.com().head<2>());
+    outcome.led.push_back(led.p.head<2>());
+    outcome.off = (outcome.path.back() - outcome.led.back()).norm();
+    outcome.turned = std::abs(wrap_angle(yaw_of(kinematics.trunk().R) - yaw_of(led.R)));
+  };
+  session.on_plan = [&](const PlanRecord& record) { report.add(record); };
+  while (session.t() < kBefore + kWalks + kAfter && !session.fallen() && !interrupted)
+    session.step(script.read(session.t()));
+  outcome.report = report.json(world.name(), "sim", 0, 0.0);
+  return outcome;
+}
+
+std::string file_name(std::string name) {
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+}  // namespace
+
+int reproduce_walks(const std::filesystem::path& out) {
+  const RobotModel robot = RobotModel::load("mighty");
+  Json table = Json::array();
+  std::map<std::string, Panel> maps;
+  bool fell = false;
+  bool good = true;
+  fmt::print("{:15}  {:>8}  {:>7}  {:>5}  {:>15}  {:>8}\n", "walk", "segments", "way [m]", "tilt", "off at the end",
+             "estimate");
+  for (const Walk& walk : walks()) {
+    const World world = World::load(walk.world);
+    const Script script = script_of(walk);
+    auto file = open_output(out / (file_name(walk.name) + ".jsonl"), "--out");
+    for (const Script::Entry& entry : script.entries())
+      *file << script_line(entry.t, entry.command) << '\n';
+    const Outcome walked = walk_on(robot, world, script);
+    if (interrupted) break;
+    const double tilt = walked.report["tilt_deg_max"].get<double>();
+    const Json& tracking = walked.report["tracking"];
+    const Json& segments = walked.report["segments"];
+    const bool falls = walked.report["falls"] != 0;
+    fell = fell || falls;
+    good = good && !falls && segments["slips"] == 0 && tilt <= kMostTilt && walked.off <= kMostOff;
+    table.push_back({{"walk", walk.name},
+                     {"world", walk.world},
+                     {"falls", falls ? 1 : 0},
+                     {"segments", segments["committed"]},
+                     {"slips", segments["slips"]},
+                     {"way_m", tracking["way_m"]},
+                     {"tilt_deg_max", tilt},
+                     {"off_m", walked.off},
+                     {"off_rad", walked.turned},
+                     {"estimate_max_m", tracking["estimate_max_m"]}});
+    fmt::print("{:15}  {:8}  {:7.2f}  {:4.2f}\u00b0  {:5.1f} mm, {:4.2f}\u00b0  {:5.1f} mm{}\n", walk.name,
+               table.back()["segments"].get<long>(), tracking["way_m"].get<double>(), tilt, 1e3 * walked.off,
+               walked.turned * 180.0 / M_PI, 1e3 * tracking["estimate_max_m"].get<double>(), falls ? ", fell" : "");
+    std::fflush(stdout);
+    Panel& map = maps[walk.world];
+    map.title = fmt::format("Ways of the COM on `{}`: walked, and where the motions lead (dashed)", walk.world);
+    map.x_label = "x [m]";
+    map.y_label = "y [m]";
+    map.equal = true;
+    map.height = 420.0;
+    const std::string colour = palette::kSeries[map.series.size() / 2 % palette::kSeries.size()];
+    map.series.push_back({walk.name, walked.path, Stroke::solid, colour, 1.6});
+    map.series.push_back({"", walked.led, Stroke::dashed, palette::kBlack, 0.8});
+  }
+  std::vector<Panel> panels;
+  for (auto& [name, map] : maps)
+    panels.push_back(std::move(map));
+  if (!panels.empty()) save_plot(out / "walks.svg", panels, 900.0);
+  *open_output(out / "walks.json", "--out") << table.dump(2) << '\n';
+  fmt::print("walks.json, walks.svg and the scripts in {}\n", out.string());
+  if (fell) return kFallen;
+  return good ? kDone : kFailed;
+}
+
+}  // namespace baton::app
