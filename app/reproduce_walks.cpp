@@ -47,7 +47,7 @@ std::vector<Walk> walks() {
       {"curve", "flat", {{kWalks, {1, 0, 0.3}}}},
       {"diagonal", "flat", {{kWalks, {0.7, -0.7, 0}}}},
       {"there and back", "flat", {{0.5 * kWalks, {1, 0, 0}}, {0.5 * kWalks, {-1, 0, 0}}}},
-      {"down the steps", "room", {{10.0, {1, 0, 0}}, {kWalks, {0, 0, 1}}}},
+      {"down the steps", "room", {{8.0, {1, 0, 0}}, {kWalks, {0, 0, 1}}}},
       {"down and up", "room", {{12.0, {1, 0, 0}}, {15.0, {-1, 0, 0}}}},
       {"replanned", "flat", {}},
       {"replanned steps", "room", {}},
@@ -155,7 +155,7 @@ int reproduce_walks(const std::filesystem::path& out) {
                walked.turned * 180.0 / M_PI, 1e3 * tracking["estimate_max_m"].get<double>(), falls ? ", fell" : "");
     std::fflush(stdout);
     Panel& map = maps[walk.world];
-    map.title = fmt::format("Ways of the COM on `{}`: walked, and where the motions lead (dashed)", walk.world);
+    map.title = fmt::format("Ways of the COM, {}: walked, and where the motions lead (dashed)", walk.world);
     map.x_label = "x [m]";
     map.y_label = "y [m]";
     map.equal = true;

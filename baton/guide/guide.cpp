@@ -345,11 +345,10 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
     const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
     const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)
                                 : (ahead.y() < 0.0 ? Side::left : Side::right);
-    // But a foot that is about to leave the ground is the one that can.
-    const bool either = straight && !from.lift_off;
+    // A foot that is about to leave the ground may be the one that can, or have all the weight still.
     const Side best = from.lift_off ? from.lift_off->side : first;
     for (const Side side : {best, other(best)}) {
-      if (!either && side != best) continue;
+      if (!straight && !from.lift_off && side != best) continue;
       const Pose& stance = from.sole[other(side)];
       const Vec3 beside = stance.p + stance.R * Vec3(0, sign_of(side) * profile.stance.width, 0);
       for (const double share : kCatches)

@@ -341,6 +341,30 @@ TEST(Reproduce, TheRoomByScriptIsReachedAndDriveGivesTheSameTrace) {
   EXPECT_EQ(scratch.read("again.csv"), scratch.read("room/room.csv"));
 }
 
+TEST(Reproduce, WalksOfAMinuteEndWhereTheyWereToEnd) {
+  const Scratch scratch;
+  const Outcome outcome = run({"reproduce", "walks", "--out", scratch.path("walks")});
+  ASSERT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
+  const nlohmann::json walks = scratch.json("walks/walks.json");
+  ASSERT_EQ(walks.size(), 13u);
+  for (const nlohmann::json& walk : walks) {
+    const std::string name = walk["walk"];
+    EXPECT_EQ(walk["falls"], 0) << name;
+    EXPECT_EQ(walk["slips"], 0) << name;
+    EXPECT_LT(walk["tilt_deg_max"].get<double>(), 10.0) << name;
+    EXPECT_LT(walk["off_m"].get<double>(), 0.03) << name;
+    EXPECT_GT(walk["segments"].get<int>(), 80) << name;
+    EXPECT_GT(walk["way_m"].get<double>(), 2.0) << name;
+  }
+  EXPECT_GT(std::filesystem::file_size(scratch.path("walks/walks.svg")), 10000u);
+  // The scripts give the same walk.
+  ASSERT_EQ(run({"drive", "--world", "flat", "--input", "script:" + scratch.path("walks/forward.jsonl"), "--fast",
+                 "--seconds", "60", "--report", scratch.path("r.json")})
+                .code,
+            app::kDone);
+  EXPECT_EQ(scratch.json("r.json")["tracking"]["way_m"], walks[0]["way_m"]);
+}
+
 TEST(Operate, TheOperatorReachesTheDoorFromRandomStarts) {
   for (const char* seed : {"0", "1", "2", "14"}) {  // 14: with feet that are turned against each other
     const Outcome outcome = run({"operate", "--task", "room", "--seed", seed});
