@@ -204,7 +204,8 @@ Pose Segment::swing(double t, double duration) const {
   const Carry on = carry(t, end * duration);
   Pose pose;
   pose.p = a.p + s * (b.p - a.p) + on.velocity * rate.v + on.acceleration * rate.a;
-  const double bow = 16.0 * s * s * (1.0 - s) * (1.0 - s);
+  // Outward at once: feet far apart ahead overlap, seen from the side, as soon as one begins to pass.
+  const double bow = 1.0 - std::pow(2.0 * s - 1.0, 4);
   pose.p += from_.sole[other(side)].R * Vec3(0, sign_of(side) * outward_ * bow, 0);
   pose.R = rotation_exp(on.velocity * rate.rate + on.acceleration * rate.rate_change) * interpolate(a.R, b.R, s);
   // Up to the apex and down again: two quintics, smooth to the second derivative.
