@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
@@ -36,8 +37,19 @@ struct Walk {
   std::vector<Leg> legs;  ///< over and over
 };
 
+/// Of someone who changes his mind all the time: anywhere, or more or less ahead, and then back.
+std::vector<Leg> replanned(Dice& dice, bool on_steps) {
+  std::vector<Leg> legs;
+  for (double t = 0.0; t < kWalks; t += kReplans) {
+    const double ahead = on_steps ? (t < 0.4 * kWalks ? 1.0 : -1.0) : dice.axis();
+    legs.push_back({kReplans, {ahead, 0.5 * dice.axis(), 0.3 * dice.axis()}});
+  }
+  return legs;
+}
+
 std::vector<Walk> walks() {
-  std::vector<Walk> all{
+  Dice dice(1);
+  return {
       {"forward", "flat", {{kWalks, {1, 0, 0}}}},
       {"backward", "flat", {{kWalks, {-1, 0, 0}}}},
       {"left", "flat", {{kWalks, {0, 1, 0}}}},
@@ -49,19 +61,9 @@ std::vector<Walk> walks() {
       {"there and back", "flat", {{0.5 * kWalks, {1, 0, 0}}, {0.5 * kWalks, {-1, 0, 0}}}},
       {"down the steps", "room", {{8.0, {1, 0, 0}}, {kWalks, {0, 0, 1}}}},
       {"down and up", "room", {{12.0, {1, 0, 0}}, {15.0, {-1, 0, 0}}}},
-      {"replanned", "flat", {}},
-      {"replanned steps", "room", {}},
+      {"replanned", "flat", replanned(dice, false)},
+      {"replanned steps", "room", replanned(dice, true)},
   };
-  // One that changes its mind all the time: anywhere on the flat, more or less ahead on the steps.
-  Dice dice(1);
-  for (Walk& walk : all) {
-    for (double t = 0.0; walk.name.starts_with("replanned") && t < kWalks; t += kReplans) {
-      const bool steps = walk.world == "room";
-      const double ahead = steps ? (t < 0.4 * kWalks ? 1.0 : -1.0) : dice.axis();
-      walk.legs.push_back({kReplans, {ahead, 0.5 * dice.axis(), 0.3 * dice.axis()}});
-    }
-  }
-  return all;
 }
 
 Script script_of(const Walk& walk) {

@@ -549,13 +549,14 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
   }
   // A sole that tips over its edge says nothing about the height of the ground.
   due.context.anchor.p.z() = anchor_.p.z();
-  const double growth = std::exp(robot_->omega() * (lookahead * profile.tick.period + lands));
+  const double beyond = std::max(0.0, size - room);
+  const double until = lookahead * profile.tick.period + lands;
   const double least = std::max(size, kLeastCatch * profile.stance.com_height);
-  const double then = std::min(least + std::max(0.0, size - room) * (growth - 1.0), profile.region.foot_x.hi);
+  const double then = std::min(least + beyond * (std::exp(robot_->omega() * until) - 1.0), profile.region.foot_x.hi);
   if (catching && then < kFarther * catching->norm()) return std::nullopt;
   due.catches = then / size * error;
-  due.beyond = std::max(0.0, size - room);
-  if (due.start.flight) due.lands = lookahead * profile.tick.period + lands;
+  due.beyond = beyond;
+  if (due.start.flight) due.lands = until;
   if (catching) due.gains = catching->dot(error) / size;
   return due;
 }
