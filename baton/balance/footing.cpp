@@ -1,6 +1,7 @@
 #include "baton/balance/footing.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace baton {
 namespace {
@@ -16,8 +17,13 @@ constexpr double kLevel = 1e-3;        ///< nor is it inclined [rad]
 constexpr double kMostHeight = 0.045;  ///< bounds of the offset
 constexpr double kMostPlace = 0.1;
 constexpr double kMostTurn = 0.2;  ///< [rad]
+constexpr double kInsists = 0.03;  ///< a moment that is too much for longer, in one sense, is yielded to faster [s]
+constexpr double kMostInsists = 4.0;
 constexpr double kAirRate = 10.0;  ///< at which the offset of a sole in the air goes back [1/s]
-constexpr double kDamping = 1e-6;
+constexpr double kDamping = 1e-6;  ///< of the legs' kinematics, beside half of the error squared
+constexpr int kSteps = 4;          ///< of them, at most
+constexpr double kFarthest = 0.3;  ///< that a joint goes in one: a straight leg's would be anything [rad]
+constexpr double kThere = 1e-6;    ///< error that needs no further one [m, rad]
 
 /// v, no longer than `most`.
 template <typename Vector>
@@ -61,7 +67,9 @@ Footing::Footing(const RobotModel& robot)
       period_(robot.profile().tick.period),
       height_(robot.profile().stance.com_height),
       weight_(robot.mass() * kGravity),
-      rows_(6, robot.nv()) {}
+      rows_(6, robot.nv()),
+      shift_(VecX::Zero(robot.nv() - 6)),
+      shifted_(VecX::Zero(robot.nv() + 1)) {}
 
 void Footing::follow(const MotionSample& now, const MotionSample& next, const State& state,
                      const BySide<Wrench>& wanted) {
@@ -89,6 +97,7 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       offset.p *= 1.0 - share_of(kAirRate);
       const Vec3& stands = offset_[other(side)].turn;
       offset.turn += share_of(kAirRate) * (Vec3(stands.x(), stands.y(), 0.0) - offset.turn);
+      tipping_[side] = {};
     }
   }
 }
@@ -123,7 +132,13 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   offset.p.z() += carries * yields * beyond(heavier, rates_.band_height);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
   const double band = rates_.band_turn * force.force.z() / weight_;
-  offset.turn.head<2>() += carries * share_of(rates_.yield_turn) * beyond(excess, band);
+  const Vec2 tips = beyond(excess, band);
+  Tipping& tipping = tipping_[side];
+  tipping.lasts = tips.dot(tipping.last) > 0.0 ? tipping.lasts + period_ : 0.0;
+  tipping.last = tips;
+  // Ground under the whole sole would have taken it up by then: the sole tips on an edge.
+  const double faster = std::clamp(tipping.lasts / kInsists, 1.0, kMostInsists);
+  offset.turn.head<2>() += carries * share_of(rates_.yield_turn) * faster * tips;
 
   // A sole that tips over its edge says nothing about the ground.
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;
@@ -137,26 +152,74 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   offset.turn = bounded(offset.turn, kMostTurn);
 }
 
-void Footing::apply(const Kinematics& kinematics, VecX& q) {
-  // No leg is stretched beyond what was planned, it might be straight: the trunk comes down instead.
-  const double down = std::max({0.0, -offset_.left.p.z(), -offset_.right.p.z()});
+void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
+  const auto n = shift_.size();
+  const double margin = robot_->profile().margin.joint;
+  joints = q.tail(n);
+  const double down = std::max(stretched(Side::left, kinematics), stretched(Side::right, kinematics));
+  BySide<Pose> goal;
+  bool planned = down == 0.0;
   for (const Side side : kSides) {
     const Offset& offset = offset_[side];
-    if (offset.p.isZero(0.0) && offset.turn.isZero(0.0) && down == 0.0) continue;
-    kinematics.sole_jacobian(side, rows_);
-    Vec6 wanted;
-    wanted << offset.p + Vec3(0, 0, down), offset.turn;
-    Eigen::Matrix<double, 6, 6> gram = kDamping * Eigen::Matrix<double, 6, 6>::Identity();
-    for (const int j : robot_->leg(side)) {
-      const Vec6 column = rows_.col(6 + j);
-      gram.noalias() += column * column.transpose();
-    }
-    const Vec6 along = gram.ldlt().solve(wanted);
-    for (const int j : robot_->leg(side)) {
-      const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
-      q[j] = std::clamp(q[j] + rows_.col(6 + j).dot(along), joint.position.lo, joint.position.hi);
-    }
+    const Pose sole = kinematics.sole(side);
+    goal[side] = {sole.p + offset.p + Vec3(0, 0, down), rotation_exp(offset.turn) * sole.R};
+    planned = planned && offset.p.isZero(0.0) && offset.turn.isZero(0.0);
   }
+  if (planned) {
+    shift_.setZero();
+    return;
+  }
+  // Levenberg–Marquardt from the last shift on: a single step would be far off where a leg is nearly straight.
+  shifted_ = q;
+  for (int j = 0; j < static_cast<int>(n); ++j) {
+    const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
+    shifted_[7 + j] = std::clamp(q[7 + j] + shift_[j], std::min(q[7 + j], range.lo), std::max(q[7 + j], range.hi));
+  }
+  for (int step = 0; step < kSteps; ++step) {
+    kinematics.set(shifted_);
+    bool there = true;
+    for (const Side side : kSides) {
+      const Pose sole = kinematics.sole(side);
+      Vec6 error;
+      error << goal[side].p - sole.p, rotation_error(goal[side].R, sole.R);
+      if (error.norm() < kThere) continue;
+      there = false;
+      kinematics.sole_jacobian(side, rows_);
+      Eigen::Matrix<double, 6, 6> gram =
+          (kDamping + 0.5 * error.squaredNorm()) * Eigen::Matrix<double, 6, 6>::Identity();
+      for (const int j : robot_->leg(side)) {
+        const Vec6 column = rows_.col(6 + j);
+        gram.noalias() += column * column.transpose();
+      }
+      const Vec6 along = gram.ldlt().solve(error);
+      double farthest = 0.0;
+      for (const int j : robot_->leg(side))
+        farthest = std::max(farthest, std::abs(rows_.col(6 + j).dot(along)));
+      const double share = std::min(1.0, kFarthest / farthest);
+      for (const int j : robot_->leg(side)) {
+        const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
+        const double lo = std::min(q[7 + j], range.lo + margin);
+        const double hi = std::max(q[7 + j], range.hi - margin);
+        double& angle = shifted_[7 + j];
+        angle = std::clamp(angle + share * rows_.col(6 + j).dot(along), lo, hi);
+      }
+    }
+    if (there) break;
+  }
+  shift_ = shifted_.tail(n) - joints;
+  joints += shift_;
+}
+
+double Footing::stretched(Side side, const Kinematics& kinematics) const {
+  const Offset& offset = offset_[side];
+  const std::vector<int>& leg = robot_->leg(side);
+  const Vec3 ankle = kinematics.dof_axis(6 + leg.back()).point;
+  const Vec3 planned = ankle - kinematics.dof_axis(6 + leg.front()).point;
+  const Vec3 above = ankle - kinematics.sole(side).p;
+  const Vec3 v = planned + offset.p + rotation_exp(offset.turn) * above - above;
+  // |v + z ez| = |planned|
+  const double rest = planned.squaredNorm() - v.head<2>().squaredNorm();
+  return rest > 0.0 ? std::max(0.0, -v.z() - std::sqrt(rest)) : 0.0;
 }
 
 }  // namespace baton

@@ -17,10 +17,11 @@ class Footing {
   /// @param wanted what each sole should carry then, axes of the planning frame, moment about its centre
   void follow(const MotionSample& now, const MotionSample& next, const State& state, const BySide<Wrench>& wanted);
 
-  /// Adds to the joint angles what takes the soles there; within the joints' ranges.
-  /// @param kinematics set to the planned configuration
-  /// @param q joint angles (n)
-  void apply(const Kinematics& kinematics, VecX& q);
+  /// Joint angles that take the soles there; within the joints' ranges.
+  /// @param kinematics set to the planned configuration; left at another one
+  /// @param q planned configuration (nq)
+  /// @param joints receives the angles (n)
+  void apply(Kinematics& kinematics, const VecX& q, VecX& joints);
 
   /// Displacement of a sole from its planned pose, in the planning frame.
   struct Offset {
@@ -35,7 +36,7 @@ class Footing {
     double height = 15.0;      ///< at which the height of a sole that carries is followed
     double early = 30.0;       ///< the same of a foot on its way down, whose ground comes early
     double early_trust = 0.0;  ///< share of those rates with which that begins, be its load as small as it may
-    double late = 0.3;         ///< at which a foot that should carry looks for ground farther down [COM heights/s]
+    double late = 0.6;         ///< at which a foot that should carry looks for ground farther down [COM heights/s]
     double place = 8.0;        ///< its horizontal place
     double turn = 8.0;         ///< its inclination
     double relax = 1.0;       ///< [COM heights/s] by a force of the weight with which the legs press against each other
@@ -53,13 +54,26 @@ class Footing {
   /// Lets the soles go apart, or together, until the legs no longer press against each other.
   void relax(const State& state, const BySide<Wrench>& wanted);
 
+  /// A moment that a sole is to yield to.
+  struct Tipping {
+    Vec2 last = Vec2::Zero();  ///< [weight × COM height]
+    double lasts = 0.0;        ///< for how long it has had about this direction [s]
+  };
+
+  /// How far the trunk must come down for a leg, which might be straight, not to be stretched beyond what was
+  /// planned [m], from its first to its last joint.
+  [[nodiscard]] double stretched(Side side, const Kinematics& kinematics) const;
+
   const RobotModel* robot_;
   Rates rates_;
   double period_;
   double height_;  ///< of the COM, nominal [m]
   double weight_;  ///< [N]
   JacobianRows rows_;
+  VecX shift_;    ///< of the joint angles, at last (n)
+  VecX shifted_;  ///< configuration (nq)
   BySide<Offset> offset_;
+  BySide<Tipping> tipping_;
   BySide<double> missed_{0.0, 0.0};  ///< for how long a sole should have carried, and did not [s]
 };
 

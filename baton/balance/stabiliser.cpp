@@ -44,8 +44,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   target_.dq = next.dq.tail(n);
   target_.ddq = next.ddq.tail(n);
   target_.contact = next.contact;
-  planned_ = target_.q;
-  footing_.apply(kinematics_, planned_);
+  footing_.apply(kinematics_, next.q, planned_);
   target_.shift = planned_ - target_.q;
   for (int j = 0; j < n; ++j) {
     target_.tau[j] += robot_->joints()[static_cast<std::size_t>(j)].motor.damping * target_.dq[j] + integral_[j];
