@@ -97,7 +97,6 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       offset.p *= 1.0 - share_of(kAirRate);
       const Vec3& stands = offset_[other(side)].turn;
       offset.turn += share_of(kAirRate) * (Vec3(stands.x(), stands.y(), 0.0) - offset.turn);
-      tipping_[side] = {};
     }
   }
 }
@@ -136,7 +135,8 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   Tipping& tipping = tipping_[side];
   tipping.lasts = tips.dot(tipping.last) > 0.0 ? tipping.lasts + period_ : 0.0;
   tipping.last = tips;
-  // Ground under the whole sole would have taken it up by then: the sole tips on an edge.
+  // Ground under the whole sole would have taken it up by then: the sole tips on an edge. What it tipped by as it was
+  // lifted is remembered until it lands.
   const double faster = std::clamp(tipping.lasts / kInsists, 1.0, kMostInsists);
   offset.turn.head<2>() += carries * share_of(rates_.yield_turn) * faster * tips;
 
