@@ -16,14 +16,14 @@ struct InverseKinematics::Workspace {
   using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
 
   int rows = 0;
-  JacobianRows J;     ///< task rows × nv
-  JacobianRows JD;    ///< J D⁻¹
-  Column e;           ///< errors
-  Column R;           ///< damping of each row
-  VecX cost_inverse;  ///< D⁻¹ (nv); 0: the joint goes where dq_ref says
-  VecX dq_ref;        ///< (nv)
-  VecX dq;            ///< (nv)
-  VecX lower, upper;  ///< bounds of dq of the joints (n)
+  JacobianRows J;         ///< task rows × nv
+  std::vector<int> free;  ///< columns of J that the tasks move; the others go where dq_ref says
+  MatX J_free;            ///< those
+  Column e;               ///< errors
+  Column R;               ///< damping of each row
+  VecX dq_ref;            ///< (nv)
+  VecX dq;                ///< (nv)
+  VecX lower, upper;      ///< bounds of dq of the joints (n)
   Square A;
   Column y;
   eiquadprog::solvers::EiquadprogFast qp;
@@ -38,8 +38,8 @@ InverseKinematics::InverseKinematics(const RobotModel& robot, Parameters paramet
   const int nv = robot.nv();
   const int n = nv - 6;
   w_->J.setZero(kMostRows, nv);
-  w_->JD.setZero(kMostRows, nv);
-  w_->cost_inverse.setOnes(nv);
+  w_->free.reserve(static_cast<std::size_t>(nv));
+  w_->J_free.setZero(kMostRows, nv);
   w_->dq_ref.setZero(nv);
   w_->dq.setZero(nv);
   w_->lower.setZero(n);
@@ -124,16 +124,18 @@ void InverseKinematics::linearise(const IkTargets& targets) {
 void InverseKinematics::free_step() {
   Workspace& w = *w_;
   const auto J = w.J.topRows(w.rows);
-  auto JD = w.JD.topRows(w.rows);
-  JD.noalias() = J * w.cost_inverse.asDiagonal();
-  w.A.resize(w.rows, w.rows);
-  w.A.noalias() = JD * J.transpose();
+  auto J_free = w.J_free.topLeftCorner(w.rows, static_cast<Eigen::Index>(w.free.size()));
+  for (std::size_t k = 0; k < w.free.size(); ++k)
+    J_free.col(static_cast<Eigen::Index>(k)) = J.col(w.free[k]);
+  w.A.setZero(w.rows, w.rows);
+  w.A.selfadjointView<Eigen::Lower>().rankUpdate(J_free);
   w.A.diagonal() += w.R;
   w.y = w.e;
   w.y.noalias() -= J * w.dq_ref;
   w.A.llt().solveInPlace(w.y);
   w.dq = w.dq_ref;
-  w.dq.noalias() += JD.transpose() * w.y;
+  for (std::size_t k = 0; k < w.free.size(); ++k)
+    w.dq[w.free[k]] += J_free.col(static_cast<Eigen::Index>(k)).dot(w.y);
 }
 
 void InverseKinematics::bounded_step() {
@@ -141,7 +143,9 @@ void InverseKinematics::bounded_step() {
   const auto J = w.J.topRows(w.rows);
   const int n = static_cast<int>(w.lower.size());
   constexpr double kFixed = 1e6;  // cost of a joint that should go just where dq_ref says
-  const VecX cost = w.cost_inverse.unaryExpr([](double inverse) { return inverse > 0.0 ? 1.0 / inverse : kFixed; });
+  VecX cost = VecX::Constant(w.dq.size(), kFixed);
+  for (const int i : w.free)
+    cost[i] = 1.0;
   const VecX weight = w.R.cwiseInverse();
   w.H.noalias() = J.transpose() * weight.asDiagonal() * J;
   w.H.diagonal() += cost;
@@ -169,9 +173,14 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
   Workspace& w = *w_;
   const auto& joints = robot_->joints();
   const int n = static_cast<int>(joints.size());
-  // The cost of motion, and where joints go that no task needs.
-  w.cost_inverse.setOnes();
   BySide<bool> follow{!targets.hand.left, !targets.hand.right};
+  const auto is_led = [&](Side side, int j) {  // an arm whose hand has no task
+    return follow[side] && std::ranges::find(robot_->arm(side), j) != robot_->arm(side).end();
+  };
+  w.free.clear();
+  for (int i = 0; i < robot_->nv(); ++i) {
+    if (!is_led(Side::left, i - 6) && !is_led(Side::right, i - 6)) w.free.push_back(i);
+  }
   const auto lowest = [&](int j) {
     const auto& joint = joints[static_cast<std::size_t>(j)];
     return std::max(joint.position.lo, previous[7 + j] - joint.speed * dt);
@@ -196,7 +205,6 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
     for (const Side side : kSides) {
       if (!follow[side]) continue;
       for (const int j : robot_->arm(side)) {
-        w.cost_inverse[6 + j] = 0.0;
         const double wish = targets.arms[j] - q[7 + j];
         if (!std::isfinite(wish)) {
           result.finite_targets = false;

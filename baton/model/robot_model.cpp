@@ -80,6 +80,7 @@ SpecPtr RobotModel::spec() const {
 RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
   const std::string owner = fmt::format("model {}", profile_.model.string());
   const SpecPtr text = spec();
+  text->compiler.discardvisual = 1;  // here nothing is drawn, and kinematics moves every geom
   model_ = compile_model(*text, owner);
   const mjModel& m = *model_;
   for (int i = 0; i < m.nbody; ++i)

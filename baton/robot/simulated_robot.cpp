@@ -35,8 +35,11 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
     throw InputError(fmt::format("{}: tick.period = {} is not a multiple of the physics step {}", owner, period_,
                                  parameters_.timestep));
   }
-  model_ = compile_text(text_, owner);
+  const SpecPtr spec = parse_text(text_, owner);
+  spec->compiler.discardvisual = 1;
+  model_ = compile_model(*spec, owner);
   mjModel& m = *model_;
+  m.opt.disableflags |= mjDSBL_SENSOR | mjDSBL_ISLAND;  // what is sensed is reckoned below; one robot is one island
 
   const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);
   root_body_ = root;
@@ -210,7 +213,6 @@ void SimulatedRobot::check_fall() {
       }
     }
   }
-  kinematics_.set(truth_.q);
   const double tilt = tilt_of(kinematics_.trunk().R);
   if (!(tilt <= kFallenTilt)) return fall(fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI));
   const double ground = std::min(kinematics_.sole(Side::left).p.z(), kinematics_.sole(Side::right).p.z());

@@ -59,6 +59,11 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
   Vec6 wanted;
   wanted << total.force / weight, total.moment_about(com) / (weight * length);
   if (!wanted.allFinite()) return std::numeric_limits<double>::infinity();
+  // Without the cones it is the minimiser as well where it happens to lie in them.
+  Eigen::Matrix<double, 6, 6> gram = w.G * w.G.transpose();
+  gram.diagonal().array() += kRegularisation;
+  w.f.noalias() = w.G.transpose() * gram.ldlt().solve(wanted);
+  if ((w.CI * w.f).minCoeff() >= 0.0) return (w.G * w.f - wanted).norm();
   w.H.noalias() = w.G.transpose() * w.G;
   w.H.diagonal().array() += kRegularisation;
   w.g.noalias() = -(w.G.transpose() * wanted);
