@@ -154,7 +154,6 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
 
 void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
   const auto n = shift_.size();
-  const double margin = robot_->profile().margin.joint;
   joints = q.tail(n);
   const double down = std::max(stretched(Side::left, kinematics), stretched(Side::right, kinematics));
   BySide<Pose> goal;
@@ -169,45 +168,48 @@ void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
     shift_.setZero();
     return;
   }
-  // Levenberg–Marquardt from the last shift on: a single step would be far off where a leg is nearly straight.
+  // From the last shift on: a single step would be far off where a leg is nearly straight.
   shifted_ = q;
-  for (int j = 0; j < static_cast<int>(n); ++j) {
-    const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
-    shifted_[7 + j] = std::clamp(q[7 + j] + shift_[j], std::min(q[7 + j], range.lo), std::max(q[7 + j], range.hi));
-  }
-  for (int step = 0; step < kSteps; ++step) {
+  for (int j = 0; j < static_cast<int>(n); ++j)
+    shifted_[7 + j] = within_range(j, q[7 + j], q[7 + j] + shift_[j]);
+  bool there = false;
+  for (int step = 0; step < kSteps && !there; ++step) {
     kinematics.set(shifted_);
-    bool there = true;
-    for (const Side side : kSides) {
-      const Pose sole = kinematics.sole(side);
-      Vec6 error;
-      error << goal[side].p - sole.p, rotation_error(goal[side].R, sole.R);
-      if (error.norm() < kThere) continue;
-      there = false;
-      kinematics.sole_jacobian(side, rows_);
-      Eigen::Matrix<double, 6, 6> gram =
-          (kDamping + 0.5 * error.squaredNorm()) * Eigen::Matrix<double, 6, 6>::Identity();
-      for (const int j : robot_->leg(side)) {
-        const Vec6 column = rows_.col(6 + j);
-        gram.noalias() += column * column.transpose();
-      }
-      const Vec6 along = gram.ldlt().solve(error);
-      double farthest = 0.0;
-      for (const int j : robot_->leg(side))
-        farthest = std::max(farthest, std::abs(rows_.col(6 + j).dot(along)));
-      const double share = std::min(1.0, kFarthest / farthest);
-      for (const int j : robot_->leg(side)) {
-        const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
-        const double lo = std::min(q[7 + j], range.lo + margin);
-        const double hi = std::max(q[7 + j], range.hi - margin);
-        double& angle = shifted_[7 + j];
-        angle = std::clamp(angle + share * rows_.col(6 + j).dot(along), lo, hi);
-      }
-    }
-    if (there) break;
+    there = true;
+    for (const Side side : kSides)
+      there = reach(side, goal[side], kinematics, q) && there;
   }
   shift_ = shifted_.tail(n) - joints;
   joints += shift_;
+}
+
+bool Footing::reach(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q) {
+  const Pose sole = kinematics.sole(side);
+  Vec6 error;
+  error << goal.p - sole.p, rotation_error(goal.R, sole.R);
+  if (error.norm() < kThere) return true;
+  kinematics.sole_jacobian(side, rows_);
+  Eigen::Matrix<double, 6, 6> gram = (kDamping + 0.5 * error.squaredNorm()) * Eigen::Matrix<double, 6, 6>::Identity();
+  for (const int j : robot_->leg(side)) {
+    const Vec6 column = rows_.col(6 + j);
+    gram.noalias() += column * column.transpose();
+  }
+  const Vec6 along = gram.ldlt().solve(error);
+  double farthest = 0.0;
+  for (const int j : robot_->leg(side))
+    farthest = std::max(farthest, std::abs(rows_.col(6 + j).dot(along)));
+  const double share = std::min(1.0, kFarthest / farthest);
+  for (const int j : robot_->leg(side)) {
+    const double angle = shifted_[7 + j] + share * rows_.col(6 + j).dot(along);
+    shifted_[7 + j] = within_range(j, q[7 + j], angle);
+  }
+  return false;
+}
+
+double Footing::within_range(int j, double planned, double angle) const {
+  const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
+  const double margin = robot_->profile().margin.joint;
+  return std::clamp(angle, std::min(planned, range.lo + margin), std::max(planned, range.hi - margin));
 }
 
 double Footing::stretched(Side side, const Kinematics& kinematics) const {

@@ -60,6 +60,11 @@ class Footing {
     double lasts = 0.0;        ///< for how long it has had about this direction [s]
   };
 
+  /// One step of Levenberg–Marquardt with `shifted_`, at which the kinematics are; whether the sole was there already.
+  bool reach(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q);
+  /// A joint's angle, kept inside its range: `margin.joint` inside it, or as near to its end as is planned [rad].
+  [[nodiscard]] double within_range(int joint, double planned, double angle) const;
+
   /// How far the trunk must come down for a leg, which might be straight, not to be stretched beyond what was
   /// planned [m], from its first to its last joint.
   [[nodiscard]] double stretched(Side side, const Kinematics& kinematics) const;
