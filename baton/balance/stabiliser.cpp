@@ -6,13 +6,15 @@
 namespace baton {
 namespace {
 
-constexpr double kIntegrates = 0.5;    ///< time in which the integral grows as large as the servo's torque [s]
-constexpr double kForgets = 2.0;       ///< time constant with which it leaks away [s]
-constexpr double kMostIntegral = 0.2;  ///< of the stall torque
+constexpr double kIntegrates = 0.5;  ///< time in which the integral grows as large as the servo's torque [s]
+constexpr double kForgets = 2.0;     ///< time constant with which it leaks away [s]
+constexpr double kOfLate = 0.08;     ///< time over which commanded and measured ZMP are compared [s]
+constexpr double kCarried = 0.5;     ///< share of the weight on the soles below which they are not
 
 }  // namespace
 
-Stabiliser::Stabiliser(const RobotModel& robot) : robot_(&robot), kinematics_(robot), footing_(robot) {
+Stabiliser::Stabiliser(const RobotModel& robot)
+    : robot_(&robot), kinematics_(robot), footing_(robot), distribution_(robot) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
   planned_ = integral_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
@@ -25,6 +27,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   if (!std::exchange(first_, false)) {
     footing_.follow(now, next, state, wanted_);
     integrate(state);
+    compare(now, state);
   }
   kinematics_.set(next.q);
   Wrench total = ground_wrench(kinematics_, next.force);
@@ -35,7 +38,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   const Vec2 shift = correction_.zmp - next.zmp;
   total.moment += Vec3(shift.x(), shift.y(), 0).cross(Vec3(0, 0, total.force.z()));
 
-  const BySide<Wrench> shared = share_wrench(*robot_, next.sole, next.contact, total);
+  const BySide<Wrench> shared = distribution_.share(next.sole, next.contact, total);
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
   joint_torques(kinematics_, next.force, shared, target_.tau);
@@ -52,7 +55,19 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   return target_;
 }
 
+void Stabiliser::compare(const MotionSample& now, const State& state) {
+  Wrench total;
+  for (const Side side : kSides) {
+    total.force += state.force[side].force;
+    total.moment += state.force[side].moment + state.sole[side].p.cross(state.force[side].force);
+  }
+  if (total.force.z() < kCarried * robot_->mass() * kGravity) return;
+  const Vec2 lacks = correction_.zmp - total.zmp(support_plane(now.sole, now.contact));
+  correction_.lacks += robot_->profile().tick.period / kOfLate * (lacks - correction_.lacks);
+}
+
 void Stabiliser::reset() {
+  correction_ = {};
   footing_ = Footing(*robot_);
   integral_.setZero();
   first_ = true;
@@ -60,11 +75,12 @@ void Stabiliser::reset() {
 
 void Stabiliser::integrate(const State& state) {
   const double period = robot_->profile().tick.period;
+  const double share = 1.0 - robot_->profile().margin.torque;  // what verified motions leave of the stall torque
   const int n = robot_->nv() - 6;
   for (int j = 0; j < n; ++j) {
     const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
     const double error = planned_[j] - state.q[7 + j];
-    const double most = kMostIntegral * joint.motor.stall;
+    const double most = share * joint.motor.stall;
     integral_[j] += period * (joint.gains.kp * error / kIntegrates - integral_[j] / kForgets);
     integral_[j] = std::clamp(integral_[j], -most, most);
   }

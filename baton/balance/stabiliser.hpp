@@ -3,6 +3,7 @@
 #pragma once
 
 #include "baton/balance/footing.hpp"
+#include "baton/balance/wrench_distribution.hpp"
 
 namespace baton {
 
@@ -10,6 +11,7 @@ namespace baton {
 struct Correction {
   Vec3 dcm_error = Vec3::Zero();  ///< measured − planned [m]
   Vec2 zmp = Vec2::Zero();        ///< commanded ZMP, in the planning frame [m]
+  Vec2 lacks = Vec2::Zero();      ///< commanded − measured ZMP of late: what the ground does not give [m]
 };
 
 class Stabiliser {
@@ -29,11 +31,14 @@ class Stabiliser {
 
  private:
   const RobotModel* robot_;
+  /// How far the ZMP has come of where it was to be.
+  void compare(const MotionSample& now, const State& state);
   /// What keeps the joints at their angles on the long run: torque that grows with the error.
   void integrate(const State& state);
 
   Kinematics kinematics_;
   Footing footing_;
+  WrenchDistribution distribution_;
   VecX planned_;           ///< joint angles that were to be reached by now, footing included [rad]
   VecX integral_;          ///< [N·m]
   BySide<Wrench> wanted_;  ///< of each sole, moment about its centre

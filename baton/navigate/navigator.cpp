@@ -38,6 +38,7 @@ constexpr double kStillSpeed = 0.1;    ///< and its COM no faster [COM heights/s
 constexpr double kEachCarries = 0.2;   ///< each sole with so much of the weight
 constexpr double kFlat = 0.1;          ///< and no more inclined [rad]
 constexpr double kReserve = 0.05;      ///< of the ZMP's room, with which a step that catches the robot is made
+constexpr double kLacks = 0.02;        ///< of the commanded ZMP that is not there, and does not count [COM height]
 constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: the push may go on [COM height]
 constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
 constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
@@ -380,9 +381,13 @@ std::optional<Problem> Navigator::request() {
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
   const bool stops = command_.recall == Recall::stop || (on_the_way && motion_->retraces && command_.neutral());
   std::optional<Problem> due;
-  if (disturbed_) due = problem_of_catching(error.head<2>());
+  const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
+  const bool may_stay = disturbed_ && on_the_way && !stops;
+  if (may_stay && in_vain) due = problem_of_staying(index_ + lookahead);
+  if (disturbed_ && !due) due = problem_of_catching(error.head<2>());
+  if (may_stay && !due) due = problem_of_staying(index_ + lookahead);
   if (due || (disturbed_ && !stops)) {
-    // A step that catches it, or nothing.
+    // A step that catches it, a foot that stays down, or nothing.
   } else if (stops) {
     if (on_the_way) due = problem_of_stopping(index_ + lookahead);
   } else if (on_the_way) {
@@ -404,7 +409,8 @@ std::optional<Problem> Navigator::request() {
   }
   // What was refused would be refused again, from the same place.
   const bool same_place = (due->context.anchor.p - refused_at_.p).norm() < 1e-3;
-  if (!motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_)) return std::nullopt;
+  const bool again = !motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_);
+  if (again && !due->catches) return std::nullopt;
   asked_at_ = tick_;
   asked_ = std::move(due);
   waits_ = true;
@@ -501,6 +507,14 @@ std::optional<Problem> Navigator::problem_of_stopping(int at) const {
   return problem_of_ending(at);
 }
 
+std::optional<Problem> Navigator::problem_of_staying(int at) const {
+  const bool lifts = motion_->goal.swing && motion_->phases.size() > 1 && at < motion_->phases.front().ticks;
+  if (!lifts || motion_->retraces || catches_) return std::nullopt;
+  Problem due = problem_of_ending(at);
+  due.command.recall = Recall::stop;
+  return due;
+}
+
 Problem Navigator::problem_of_ending(int at) const {
   Problem due = problem_of_replacing(at);
   due.start.flight = flight(at);
@@ -521,9 +535,13 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
   // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
   const double size = error.norm();
   const Vec2 holds = sample_->zmp + (1.0 + kReserve) * error;
-  const double room = std::max(0.0, (sample_->zmp_region->nearest(holds) - sample_->zmp).dot(error) / size);
-  if (sample_->zmp_region->margin(holds) >= 0.0) return std::nullopt;
   const Profile& profile = robot_->profile();
+  const auto along = [&](const Vec2& v) { return v.dot(error) / size; };
+  double room = std::max(0.0, along(sample_->zmp_region->nearest(holds) - sample_->zmp));
+  // Soles that stand on edges do not take the ZMP where they should.
+  const double lacks = along(correction().lacks) - kLacks * profile.stance.com_height;
+  if (lacks > 0.0) room = std::clamp(along(correction().zmp - sample_->zmp) - lacks, 0.0, room);
+  if (sample_->zmp_region->margin(holds) >= 0.0 && room >= size) return std::nullopt;
   const int lookahead = profile.tick.lookahead;
   Problem due = problem(Command{.guide = command_.guide});
   std::optional<Vec2> catching;  // such a step is under way, and is so much longer for it
@@ -544,8 +562,6 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
       due.context.from.lift_off = due.start.lift_off;
       lands = due.start.lift_off->left + profile.phases.flow[1] * profile.duration.first;
     }
-  } else if (tick_ < not_before_) {
-    return std::nullopt;
   }
   // A sole that tips over its edge says nothing about the height of the ground.
   due.context.anchor.p.z() = anchor_.p.z();
@@ -557,7 +573,7 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
   due.catches = then / size * error;
   due.beyond = beyond;
   if (due.start.flight) due.lands = until;
-  if (catching) due.gains = catching->dot(error) / size;
+  if (catching) due.gains = along(*catching);
   return due;
 }
 

@@ -207,6 +207,8 @@ class Navigator {
   [[nodiscard]] std::optional<Halt> halt_from(int at) const;
   /// The task of coming to rest from there, if there is one.
   [[nodiscard]] std::optional<Problem> problem_of_stopping(int at) const;
+  /// Before the foot leaves the ground, which is not to be while the robot is off its way: rest, with both feet down.
+  [[nodiscard]] std::optional<Problem> problem_of_staying(int at) const;
   /// From there, moving, to anything that ends what is under way: a foot in the air can only land.
   [[nodiscard]] Problem problem_of_ending(int at) const;
   /// A step that takes the robot's feet to where the DCM goes, if no shift of the ZMP can hold it.

@@ -166,5 +166,48 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
   EXPECT_GT(clamped, 200);
 }
 
+TEST_P(StabiliserTest, AJointThatStaysBehindIsPushedByNoMoreThanVerifiedMotionsLeave) {
+  Stabiliser stabiliser(robot_);
+  const Moment& moment = moments().front();
+  const MotionSample rest = moment.now;
+  const State there = as_planned(rest);
+  State behind = there;
+  behind.q.tail(robot_.nv() - 6).array() -= 0.2;
+  const VecX before = stabiliser.target(rest, rest, there).tau;
+  for (int k = 0; k < 4000; ++k)
+    static_cast<void>(stabiliser.target(rest, rest, behind));
+  const VecX after = stabiliser.target(rest, rest, behind).tau;
+  for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    const double room = (1.0 - robot_.profile().margin.torque) * robot_.joints()[j].motor.stall;
+    EXPECT_GT(after[i] - before[i], 0.5 * room) << robot_.joints()[j].name;
+    EXPECT_LE(after[i] - before[i], room + 1e-9) << robot_.joints()[j].name;
+  }
+}
+
+TEST_P(StabiliserTest, KnowsWhatOfTheCommandedZmpTheGroundDoesNotGive) {
+  const Moment& moment = moments().front();
+  const MotionSample& rest = moment.now;
+  ASSERT_TRUE(rest.contact.left && rest.contact.right);
+  const double weight = robot_.mass() * kGravity;
+  const double h = robot_.profile().stance.com_height;
+  // The weight, halved between the soles, with the ZMP so far from where it is commanded.
+  for (const Vec2& off : {Vec2(0.0, 0.0), Vec2(0.1 * h, 0.0), Vec2(-0.05 * h, 0.08 * h)}) {
+    Stabiliser stabiliser(robot_);
+    State state = as_planned(rest);
+    for (int k = 0; k < 400; ++k) {
+      static_cast<void>(stabiliser.target(rest, rest, state));
+      const Vec2 at = stabiliser.correction().zmp - off;
+      for (const Side side : kSides) {
+        const Vec2 lever = at - state.sole[side].p.head<2>();
+        state.force[side] = {{0, 0, 0.5 * weight}, Vec3(lever.x(), lever.y(), 0).cross(Vec3(0, 0, 0.5 * weight))};
+      }
+    }
+    EXPECT_LT((stabiliser.correction().lacks - off).norm(), 1e-3 * h);
+    stabiliser.reset();
+    EXPECT_EQ(stabiliser.correction().lacks, Vec2(0, 0));
+  }
+}
+
 }  // namespace
 }  // namespace baton

@@ -26,6 +26,19 @@ class GuardTest : public testing::TestWithParam<std::string> {
     tick(seconds, command, [](Measurement&) {});
   }
 
+  /// Its joints are elsewhere: the whole body leans forward over its ankles, its DCM 0.03 COM heights off.
+  /// @param holds the ZMP goes far enough to hold it
+  [[nodiscard]] auto pushed(bool holds = true) const {
+    return [this, holds](Measurement& m) {
+      const double lean = 0.03;
+      for (const Side side : kSides) {
+        m.q[robot_.leg(side)[robot_.leg(side).size() - 2]] += lean;
+        if (holds) m.sole[side].moment.y() -= 1.3 * lean * robot_.profile().stance.com_height * m.sole[side].force.z();
+      }
+      m.imu.attitude = rotation_exp(Vec3(0.0, lean, 0.0)) * m.imu.attitude;
+    };
+  }
+
   static void tip(Measurement& m) { m.imu.attitude = rotation_exp(Vec3(0.0, 1.0, 0.0)) * m.imu.attitude; }
   static void lift(Measurement& m) { m.sole = {}; }
 
@@ -94,23 +107,39 @@ TEST_P(GuardTest, LiftedOffTheGroundItDoesNotWalkInTheAir) {
 
 TEST_P(GuardTest, WhoIsPushedBeginsNothingUntilItIsBack) {
   tick(0.3, {});
-  const double off = 0.03 * robot_.profile().stance.com_height;
-  // Its joints are elsewhere: the whole body leans over its ankles.
-  const auto pushed = [&](Measurement& m) {
-    for (const Side side : kSides) {
-      const int ankle = robot_.leg(side)[robot_.leg(side).size() - 2];
-      m.q[ankle] += off / robot_.profile().stance.com_height;
-    }
-    m.imu.attitude = rotation_exp(Vec3(0.0, off / robot_.profile().stance.com_height, 0.0)) * m.imu.attitude;
-  };
-  tick(0.1, {}, pushed);
+  tick(0.1, {}, pushed());
   ASSERT_TRUE(trip_.navigator().disturbed());
-  tick(1.0, forward(), pushed);
+  tick(1.0, forward(), pushed());
   EXPECT_EQ(trip_.navigator().committed(), 0);
   tick(0.5, {});
   EXPECT_FALSE(trip_.navigator().disturbed());
   tick(0.1, forward());
   EXPECT_GE(trip_.navigator().committed(), 1);
+}
+
+TEST_P(GuardTest, WhoIsPushedDoesNotLiftTheFootThatWasToStep) {
+  tick(0.3, {});
+  for (int k = 0; k < 400 && (trip_.navigator().motion() == nullptr || !trip_.navigator().motion()->goal.swing); ++k)
+    tick(robot_.profile().tick.period, forward());
+  ASSERT_NE(trip_.navigator().motion(), nullptr);
+  ASSERT_TRUE(trip_.navigator().motion()->goal.swing);
+  ASSERT_EQ(trip_.navigator().phase(), Phase::double_support);
+  for (int k = 0; k < 200; ++k) {
+    tick(robot_.profile().tick.period, forward(), pushed());
+    ASSERT_TRUE(trip_.navigator().phase() == Phase::double_support || trip_.navigator().phase() == Phase::hold) << k;
+  }
+  EXPECT_EQ(trip_.navigator().phase(), Phase::hold);
+  EXPECT_EQ(trip_.navigator().caught(), 0);
+  EXPECT_EQ(trip_.navigator().sample().contact.left && trip_.navigator().sample().contact.right, true);
+}
+
+TEST_P(GuardTest, WhoIsPushedSoThatNoZmpHoldsItSteps) {
+  tick(0.3, {});
+  tick(0.5, {}, pushed());
+  EXPECT_EQ(trip_.navigator().caught(), 0);
+  tick(0.5, {});
+  tick(0.5, {}, pushed(false));
+  EXPECT_GE(trip_.navigator().caught(), 1) << "the ground does not give the moment that would hold it";
 }
 
 }  // namespace

@@ -1,0 +1,111 @@
+#include "baton/balance/wrench_distribution.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace baton {
+namespace {
+
+constexpr double kYields = 1e3;  ///< cost of what a limit has to give way by, against that of what is shifted
+constexpr double kInside =
+    0.5;  ///< of `zmp_feedback`: the region, that far inside the hull, is not the hull of soles so much smaller
+constexpr int kSweeps = 200;     ///< over the limits, at most
+constexpr double kExact = 1e-7;  ///< change in a sweep that ends it [weight × lever]
+
+/// Of the wrench (fx, fy, fz, mx, my, mz) about a sole's centre; forces count by a lever.
+WrenchDistribution::Limits limits_of(const ConvexPolygon& outline, double friction, double lever) {
+  const std::vector<Vec2>& vertices = outline.vertices();
+  const auto n = static_cast<Eigen::Index>(vertices.size());
+  WrenchDistribution::Limits limits = WrenchDistribution::Limits::Zero(n + 6, 6);
+  double radius = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec2& from = vertices[static_cast<std::size_t>(i)];
+    const Vec2 along = (vertices[static_cast<std::size_t>((i + 1) % n)] - from).normalized();
+    const Vec2 inward(-along.y(), along.x());
+    // The centre of pressure (−my, mx)/fz is on the inner side of each edge.
+    limits.row(i) << 0.0, 0.0, -inward.dot(from), inward.y(), -inward.x(), 0.0;
+    radius = std::min(radius, -inward.dot(from));
+  }
+  const double pyramid = friction / std::sqrt(2.0);    // inside the cone
+  const double twist = 2.0 / 3.0 * radius * friction;  // of the largest disc in it, evenly loaded
+  for (Eigen::Index sign = 0; sign < 2; ++sign) {
+    const double s = sign == 0 ? 1.0 : -1.0;
+    limits.row(n + sign) << s * lever, 0.0, pyramid * lever, 0.0, 0.0, 0.0;
+    limits.row(n + 2 + sign) << 0.0, s * lever, pyramid * lever, 0.0, 0.0, 0.0;
+    limits.row(n + 4 + sign) << 0.0, 0.0, twist, 0.0, 0.0, s;
+  }
+  return limits;
+}
+
+Mat3 cross_matrix(const Vec3& v) {
+  Mat3 m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+}  // namespace
+
+WrenchDistribution::WrenchDistribution(const RobotModel& robot)
+    : robot_(&robot), lever_(0.5 * robot.profile().stance.width) {
+  const Profile::Margin& margin = robot.profile().margin;
+  for (const Side side : kSides)
+    limits_[side] = limits_of(robot.sole(side).inset(kInside * margin.zmp_feedback), margin.friction, lever_);
+  const Eigen::Index rows = limits_.left.rows() + limits_.right.rows();
+  A_.setZero(rows, 6);
+  b_.setZero(rows);
+  multiplier_.setZero(rows);
+}
+
+BySide<Wrench> WrenchDistribution::share(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total) {
+  BySide<Wrench> shared = share_wrench(*robot_, sole, contact, total);
+  if (!contact.left || !contact.right) return shared;
+  // All there is to choose is what goes from the right sole to the left one: a force, by a lever, and a moment about
+  // the middle.
+  const Vec3 middle = 0.5 * (sole.left.p + sole.right.p);
+  Eigen::Index row = 0;
+  for (const Side side : kSides) {
+    const Mat3 to_sole = sole[side].R.transpose();
+    Vec6 own;
+    own << to_sole * shared[side].force, to_sole * shared[side].moment_about(sole[side].p);
+    Eigen::Matrix<double, 6, 6> given = Eigen::Matrix<double, 6, 6>::Zero();
+    given.topLeftCorner<3, 3>() = to_sole / lever_;
+    given.bottomLeftCorner<3, 3>() = to_sole * cross_matrix(middle - sole[side].p) / lever_;
+    given.bottomRightCorner<3, 3>() = to_sole;
+    for (Eigen::Index i = 0; i < limits_[side].rows(); ++i, ++row) {
+      A_.row(row).noalias() = sign_of(side) * limits_[side].row(i) * given;
+      b_[row] = limits_[side].row(i).dot(own);
+    }
+  }
+  const Vec6 shift = nearest();
+  const Vec3 force = shift.head<3>() / lever_;
+  const Vec3 moment = shift.tail<3>() + middle.cross(force);
+  for (const Side side : kSides) {
+    shared[side].force += sign_of(side) * force;
+    shared[side].moment += sign_of(side) * moment;
+  }
+  return shared;
+}
+
+Vec6 WrenchDistribution::nearest() {
+  // The dual of min |x|² + kYields |s|² with A x + b + s ≥ 0, limit by limit: each one's multiplier is never negative.
+  Vec6 x = Vec6::Zero();
+  if (b_.minCoeff() >= 0.0) return x;
+  multiplier_.setZero();
+  const double exact = kExact * robot_->mass() * kGravity * lever_;
+  double change = 2.0 * exact;
+  for (int sweep = 0; sweep < kSweeps && change > exact; ++sweep) {
+    change = 0.0;
+    for (Eigen::Index i = 0; i < b_.size(); ++i) {
+      const Vec6 a = A_.row(i).transpose();
+      const double lacks = -(a.dot(x) + b_[i] + multiplier_[i] / kYields);
+      const double before = multiplier_[i];
+      multiplier_[i] = std::max(0.0, before + lacks / (a.squaredNorm() + 1.0 / kYields));
+      x += (multiplier_[i] - before) * a;
+      change = std::max(change, std::abs(multiplier_[i] - before) * a.norm());
+    }
+  }
+  return x;
+}
+
+}  // namespace baton
