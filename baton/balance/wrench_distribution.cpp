@@ -8,8 +8,7 @@ namespace baton {
 namespace {
 
 constexpr double kYields = 1e3;  ///< cost of what a limit has to give way by, against that of what is shifted
-constexpr double kInside =
-    0.5;  ///< of `zmp_feedback`: the region, that far inside the hull, is not the hull of soles so much smaller
+constexpr double kInside = 0.5;  ///< of `zmp_feedback`: a hull, inset, is not quite the hull of soles that are
 constexpr int kSweeps = 200;     ///< over the limits, at most
 constexpr double kExact = 1e-7;  ///< change in a sweep that ends it [weight × lever]
 
