@@ -37,12 +37,6 @@ WrenchDistribution::Limits limits_of(const ConvexPolygon& outline, double fricti
   return limits;
 }
 
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
 }  // namespace
 
 WrenchDistribution::WrenchDistribution(const RobotModel& robot)
@@ -69,7 +63,7 @@ BySide<Wrench> WrenchDistribution::share(const BySide<Pose>& sole, const BySide<
     own << to_sole * shared[side].force, to_sole * shared[side].moment_about(sole[side].p);
     Eigen::Matrix<double, 6, 6> given = Eigen::Matrix<double, 6, 6>::Zero();
     given.topLeftCorner<3, 3>() = to_sole / lever_;
-    given.bottomLeftCorner<3, 3>() = to_sole * cross_matrix(middle - sole[side].p) / lever_;
+    given.bottomLeftCorner<3, 3>() = to_sole * skew(middle - sole[side].p) / lever_;
     given.bottomRightCorner<3, 3>() = to_sole;
     for (Eigen::Index i = 0; i < limits_[side].rows(); ++i, ++row) {
       A_.row(row).noalias() = sign_of(side) * limits_[side].row(i) * given;

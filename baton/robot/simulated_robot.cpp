@@ -213,7 +213,7 @@ void SimulatedRobot::check_fall() {
       }
     }
   }
-  const double tilt = tilt_of(kinematics_.trunk().R);
+  const double tilt = tilt_of(kinematics_.trunk().R);  // `sense` has set them to the truth
   if (!(tilt <= kFallenTilt)) return fall(fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI));
   const double ground = std::min(kinematics_.sole(Side::left).p.z(), kinematics_.sole(Side::right).p.z());
   const double height = kinematics_.com().z() - ground;
