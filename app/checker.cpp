@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr mjtByte kGroundGroup = 5;
+// Of a step that catches the robot:
+constexpr double kCatchingTorque = 1.0;        ///< share of the stall torque
+constexpr double kCatchingAcceleration = 1.5;  ///< of the profile's
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -230,8 +233,6 @@ void Checker::judge_soles(const Tick& tick) {
     }
     if (!(moved <= place_tolerance_))
       report(Kind::slip, tick.t, moved, place_tolerance_, side == Side::left ? "left" : "right");
-    const bool moved_with_frame = before_ && (before_->frame.p != tick.frame.p || before_->frame.R != tick.frame.R);
-    if (moved_with_frame) judge_ground(tick, side);
   }
 }
 
@@ -268,6 +269,7 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
   mjModel& m = *model_;
   mjData& d = *forces_;
   const double dt = robot_->profile().tick.period;
+  const bool catching = before.catching || tick.catching || after.catching;
   VecX to(m.nv);
   VecX from(m.nv);
   mj_differentiatePos(&m, from.data(), dt, before.q.data(), tick.q.data());
@@ -276,7 +278,7 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
     const Joint& joint = robot_->joints()[j];
     const auto i = 6 + static_cast<Eigen::Index>(j);
     const double rate = std::abs(to[i] - from[i]) / dt;
-    const double limit = robot_->profile().margin.acceleration;
+    const double limit = robot_->profile().margin.acceleration * (catching ? kCatchingAcceleration : 1.0);
     if (!(rate <= limit * (1.0 + 1e-6))) report(Kind::joint_acceleration, tick.t, rate, limit, joint.name);
   }
 
@@ -321,11 +323,11 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
   const double limit = robot_->profile().margin.zmp_verify;
   if (!(margin >= limit - tolerance_.zmp)) report(Kind::zmp, tick.t, margin, limit);
 
-  judge_torques(tick, force, speed);
+  judge_torques(tick, force, speed, catching ? kCatchingTorque : robot_->profile().margin.torque);
 }
 
 /// Where one sole stands it carries all, and every torque is certain; arms carry nothing but themselves.
-void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& speed) {
+void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& speed, double share) {
   const mjModel& m = *model_;
   mjData& d = *forces_;
   const bool single = tick.contact.left != tick.contact.right;
@@ -340,7 +342,6 @@ void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& spe
                foot_[tick.contact.left ? Side::left : Side::right], ground.data());
     torque -= ground;
   }
-  const double share = robot_->profile().margin.torque;
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
     if (of_leg_[j] && !single) continue;
     const Joint& joint = robot_->joints()[j];

@@ -55,6 +55,7 @@ class Checker {
     VecX q;                            ///< configuration (nq)
     BySide<bool> contact{true, true};  ///< soles that are planned to stand
     bool hold = true;                  ///< no motion is under way
+    bool catching = false;             ///< a step that catches the robot, with laxer margins, is
     VecX target;                       ///< where the joints shall be at the next tick (n) [rad]
   };
 
@@ -85,7 +86,7 @@ class Checker {
   void judge_soles(const Tick& tick);
   void judge_ground(const Tick& tick, Side side);
   void judge_forces(const Tick& before, const Tick& tick, const Tick& after);
-  void judge_torques(const Tick& tick, const VecX& force, const VecX& speed);
+  void judge_torques(const Tick& tick, const VecX& force, const VecX& speed, double share);
   [[nodiscard]] std::string geoms(int a, int b) const;
 
   const RobotModel* robot_;

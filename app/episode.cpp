@@ -159,6 +159,7 @@ class Run {
              ideal ? record.truth.q : navigator.sample().q,
              navigator.sample().contact,
              navigator.phase() == Phase::hold,
+             navigator.catching(),
              record.target.q};
     for (const Checker::Violation& v : checker_->add(tick_))
       fail(std::string(Checker::kNames[static_cast<std::size_t>(v.kind)]), v.t, v.value, v.limit, v.where);

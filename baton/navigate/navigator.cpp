@@ -27,7 +27,8 @@ constexpr double kSooner = 0.5;           ///< share of what is left of its flig
 constexpr double kSameRest = 1e-5;        ///< of a joint [rad]
 constexpr double kTube = 0.02;            ///< error of the DCM with which nothing new is begun [COM height]
 constexpr double kInPlace = 1e-3;  ///< soles of a robot at rest that are not farther off are in place [COM height, rad]
-constexpr double kSettles = 3.0;   ///< rate at which the planning frame follows others [1/s]
+constexpr double kSameHeight = 4e-3;   ///< nor do heights that differ by less, as soles sink [COM height]
+constexpr double kSettles = 3.0;       ///< rate at which the planning frame follows others [1/s]
 constexpr double kFallenTilt = 0.8;    ///< [rad] from which a fall is certain
 constexpr double kFallenHeight = 0.5;  ///< share of the nominal COM height below which it is
 constexpr double kLifted = 0.1;        ///< share of the weight on the soles below which the robot is held by someone
@@ -356,7 +357,11 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
 }
 
 Pose Navigator::slid() const {
-  return anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  Pose slid = anchor_correction(sample_->sole, state_->sole, sample_->contact);
+  // A frame that followed how soles sink would bring every next step down by that: ways back would end in the air.
+  const double most = kSameHeight * robot_->profile().stance.com_height;
+  slid.p.z() -= std::clamp(slid.p.z(), -most, most);
+  return slid;
 }
 
 void Navigator::settle() {

@@ -150,6 +150,8 @@ class Navigator {
   [[nodiscard]] long committed() const { return committed_; }
   /// Of them, steps that were to catch a robot pushed off its way.
   [[nodiscard]] long caught() const { return caught_; }
+  /// Whether the motion under way is one of them.
+  [[nodiscard]] bool catching() const { return motion_ && catches_; }
   /// How often soles were found to have slid, since the motion before was planned, too far for the way back to be kept.
   [[nodiscard]] long slips() const { return slips_; }
   [[nodiscard]] double last_slip() const { return last_slip_; }  ///< how far, the last time [m]

@@ -18,6 +18,7 @@ constexpr int kSurveyIterations = 12;    ///< of inverse kinematics for each
 constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
 constexpr double kRoughly = 1.05;  ///< a survey's torques are not exact
 constexpr int kCorrections = 2;    ///< by the limbs' part in the ZMP
+constexpr int kVain = 2;           ///< surveys in a row, after which a torque is taken for one that stays
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
 constexpr double kSlower = 1.5;       ///< the same from one that failed for what is not a matter of time
@@ -41,6 +42,15 @@ double stretch_for(const Refusal& refusal) {
   }
 }
 
+/// Two durations and what a survey found against each: whether a joint would be loaded too much however long the motion
+/// took. A load has one part that goes with 1/T², and one that stays.
+bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) {
+  if (first.reason != Reason::joint_torque || second.reason != first.reason || second.where != first.where)
+    return false;
+  const double stays = (T2 * T2 * second.value - T1 * T1 * first.value) / (T2 * T2 - T1 * T1);
+  return stays > kRoughly * second.limit;
+}
+
 }  // namespace
 
 Planner::Planner(const RobotModel& robot, const World& world, DurationRule rule)
@@ -61,12 +71,17 @@ PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anch
 PlanResult Planner::by_paper(Task& task, Motion motion) {
   const Profile::Duration& duration = robot_->profile().duration;
   std::optional<Failure> failure;
-  double certain = 0.0;  // no duration below is worth a try
+  double certain = 0.0;                              // no duration below is worth a try
+  std::optional<std::pair<double, Refusal>> before;  // the last look that found something, and what
+  int vain = 0;                                      // looks in a row that say that no duration will do
   for (double T = task.segment.first_duration(); T <= duration.max + 1e-9; T += duration.step) {
     if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / motion.period));
     const Timing timing = timing_by_shares(task.segment.com().phases, ticks, motion.period);
     failure = look(task, timing, motion);
+    vain = failure && before && in_vain(before->first, before->second, T, failure->refusal) ? vain + 1 : 0;
+    if (vain == kVain) break;
+    if (failure) before = {T, failure->refusal};
     if (!failure) failure = finish(task, timing, motion);
     if (!failure) return motion;
     if (failure->stretch == 0.0) break;

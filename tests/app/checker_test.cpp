@@ -36,7 +36,7 @@ const Recorded& recorded(const std::string& name) {
   made.model_text = session.model_text();
   session.on_tick = [&made](const TickRecord& r) {
     made.ticks.push_back(
-        {r.t, Pose{}, r.truth.q, r.navigator.sample().contact, r.navigator.phase() == Phase::hold, r.target.q});
+        {r.t, Pose{}, r.truth.q, r.navigator.sample().contact, r.navigator.phase() == Phase::hold, false, r.target.q});
   };
   Script script = Script::parse(kScript, "walk");
   while (session.t() < 5.0)
@@ -159,6 +159,23 @@ TEST_P(CheckerTest, FindsASpeedThatJumps) {
   const Eigen::Index j = joint(Side::right, 2);
   bend(k, j, [&](double t) { return 0.3 * joint_of(j).speed * t; });
   EXPECT_TRUE(judged().contains("joint_acceleration"));
+}
+
+TEST_P(CheckerTest, AStepThatCatchesTheRobotMayAskForMore) {
+  const std::size_t k = find(both);
+  ticks_.resize(k + 6);
+  const Eigen::Index j = joint(Side::right, 0);
+  const Ticks good = ticks_;
+  const double most = robot_.profile().margin.acceleration;
+  for (const double share : {0.9, 1.2, 1.4, 1.6}) {  // of the acceleration, which an arm does not need already
+    for (const bool catching : {false, true}) {
+      ticks_ = good;
+      for (auto& tick : ticks_)
+        tick.catching = catching;
+      bend(k, j, [&](double t) { return 0.5 * share * most * t * t; });
+      EXPECT_EQ(judged().contains("joint_acceleration"), share > (catching ? 1.5 : 1.0)) << share << catching;
+    }
+  }
 }
 
 TEST_P(CheckerTest, FindsWhatMovesInHold) {

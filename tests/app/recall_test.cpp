@@ -5,6 +5,7 @@
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
+#include "app/session.hpp"
 #include "baton/input/script.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -92,6 +93,31 @@ TEST(Recall, AFlowingWalkIsRetracedWholeFromRestToRest) {
   EXPECT_LT(distance(part_way["final"]["com"], start["com"]), distance(walk["final"]["com"], start["com"]) - 0.02);
   const auto [twice, nor_that] = drive(pressed + R"({"t": 7, "retrace": true})", "12", "shrink", "flow");
   EXPECT_LT(distance(twice["final"]["com"], start["com"]), 1e-3);
+}
+
+TEST(Recall, ALongWalkInPhysicsIsRetracedToo) {  // 7 mm higher after 15 s, once, and refused for the ground
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("flat");
+  app::Session session(robot, world, app::Session::On::sim);
+  Command ahead;
+  ahead.guide = Part::trunk;
+  ahead.axes[0] = 1.0;
+  const Navigator& navigator = session.navigator();
+  while (session.t() < 15.0) {
+    session.step(ahead);
+    ASSERT_LT(std::abs(navigator.anchor().p.z()), 5e-4) << session.t();
+  }
+  while (!session.resting())
+    session.step({});
+  EXPECT_GT(session.truth().q[0], 1.0);
+  Command back;
+  back.recall = Recall::retrace;
+  while (navigator.history() > 0 || navigator.motion() != nullptr) {
+    session.step(back);
+    ASSERT_FALSE(session.fallen());
+    ASSERT_TRUE(!navigator.refusal() || navigator.refusal()->reason == Reason::no_history);
+  }
+  EXPECT_LT(Vec2(session.truth().q.head<2>()).norm(), 0.05);
 }
 
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
