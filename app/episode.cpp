@@ -19,10 +19,11 @@ constexpr long kRetraced = 5;          ///< motions back at the end, at most
 constexpr double kSamePlace = 0.005;   ///< [m] from the rest that it leads back to
 constexpr double kSameTurn = 0.02;     ///< [rad]
 
-/// In physics soles sink, and the planning frame is laid on where they are believed to be.
-Checker::Tolerances tolerances(const Course& course) {
+/// In physics soles sink, and the planning frame is laid on where they are believed to be: as near to the known ground
+/// as its unevenness lets be told.
+Checker::Tolerances tolerances(const RobotModel& robot, const Course& course) {
   Checker::Tolerances tolerances;
-  if (course.on == Session::On::sim) tolerances.sink = course.state == StateSource::perfect ? 5e-4 : 1e-3;
+  if (course.on == Session::On::sim) tolerances.sink = robot.profile().ground.flatness;
   return tolerances;
 }
 
@@ -44,7 +45,7 @@ class Run {
         report_(robot),
         stuck_planning_(robot, world, {course.modes.duration, OnLimit::discard}) {
     // In a scenario it is falls that count: the ground is not as planned.
-    if (course.scenario == nullptr) checker_.emplace(robot, session_.model_text(), tolerances(course));
+    if (course.scenario == nullptr) checker_.emplace(robot, session_.model_text(), tolerances(robot, course));
     session_.on_tick = [this](const TickRecord& record) { judge(record); };
     session_.on_plan = [this](const PlanRecord& record) {
       report_.add(record);

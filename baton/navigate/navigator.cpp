@@ -351,7 +351,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
     return soft_;
   }
   const JointTarget& target = stabiliser_.target(*sample_, next, *state_);
-  if (!motion_) settle();
+  if (!motion_ || motion_->retraces) settle();  // a way back may be minutes long, and soles slide on each step of it
   if (!motion_ && command_.neutral()) way_ = anchor_;  // who sees it stand there goes on from there
   return target;
 }
@@ -384,7 +384,11 @@ std::optional<Problem> Navigator::request() {
   const double off = error.head<2>().norm() / robot_->profile().stance.com_height;
   disturbed_ = off > (disturbed_ ? kBack : kTube);
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
-  const bool stops = command_.recall == Recall::stop || (on_the_way && motion_->retraces && command_.neutral());
+  // A way back rests where it can once it is let go of, the robot is pushed, or soles slid too far for its margins.
+  const double most_slip = kSlip * robot_->profile().reach.foot;
+  const bool halts = on_the_way && motion_->retraces &&
+                     (command_.neutral() || disturbed_ || (anchor_.p - base_.anchor.p).norm() > most_slip);
+  const bool stops = command_.recall == Recall::stop || halts;
   std::optional<Problem> due;
   const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
   const bool may_stay = disturbed_ && on_the_way && !stops;
@@ -402,7 +406,7 @@ std::optional<Problem> Navigator::request() {
   }
   if (!due) return std::nullopt;
   const double slip = (due->context.anchor.p - anchor_.p).norm();
-  if (slip > kSlip * robot_->profile().reach.foot) {
+  if (slip > most_slip) {
     ++slips_;
     last_slip_ = slip;
     history_.clear();  // what led here does not lead back
