@@ -81,6 +81,11 @@ struct LevelMove {
   }
 };
 
+/// How far apart two frames put a point [m]: their origins may be far away from it.
+double apart(const Pose& a, const Pose& b, const Vec3& point) {
+  return (a * point - b * point).norm();
+}
+
 /// Where the feet stand, and which stepped last, once a goal is reached.
 void note_steps(const Goal& goal, Side& last_step, BySide<Pose>& foothold) {
   for (const Side side : kSides) {
@@ -367,7 +372,8 @@ Pose Navigator::slid() const {
 void Navigator::settle() {
   const Pose slid = this->slid();
   const double yaw = yaw_of(slid.R);
-  if (slid.p.norm() < kInPlace * robot_->profile().stance.com_height && std::abs(yaw) < kInPlace) return;
+  const double in_place = kInPlace * robot_->profile().stance.com_height;
+  if (apart(slid, {}, sample_->com) < in_place && std::abs(yaw) < kInPlace) return;
   const double share = std::min(1.0, kSettles * robot_->profile().tick.period);
   anchor_ = anchor_ * Pose{share * slid.p, rotation_z(share * yaw)};
 }
@@ -386,9 +392,9 @@ std::optional<Problem> Navigator::request() {
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
   // A way back rests where it can once it is let go of, the robot is pushed, or soles slid too far for its margins.
   const double most_slip = kSlip * robot_->profile().reach.foot;
-  const bool halts = on_the_way && motion_->retraces &&
-                     (command_.neutral() || disturbed_ || (anchor_.p - base_.anchor.p).norm() > most_slip);
-  const bool stops = command_.recall == Recall::stop || halts;
+  const bool ends_back = on_the_way && motion_->retraces &&
+                         (command_.neutral() || disturbed_ || apart(anchor_, base_.anchor, sample_->com) > most_slip);
+  const bool stops = command_.recall == Recall::stop || ends_back;
   std::optional<Problem> due;
   const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
   const bool may_stay = disturbed_ && on_the_way && !stops;
@@ -405,7 +411,7 @@ std::optional<Problem> Navigator::request() {
     due = problem(command_);
   }
   if (!due) return std::nullopt;
-  const double slip = (due->context.anchor.p - anchor_.p).norm();
+  const double slip = apart(due->context.anchor, anchor_, sample_->com);
   if (slip > most_slip) {
     ++slips_;
     last_slip_ = slip;
@@ -417,7 +423,7 @@ std::optional<Problem> Navigator::request() {
     if (due->halt) return std::nullopt;
   }
   // What was refused would be refused again, from the same place.
-  const bool same_place = (due->context.anchor.p - refused_at_.p).norm() < 1e-3;
+  const bool same_place = apart(due->context.anchor, refused_at_, sample_->com) < 1e-3;
   const bool again = !motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_);
   if (again && !due->catches) return std::nullopt;
   asked_at_ = tick_;

@@ -6,6 +6,7 @@
 #include "app/app.hpp"
 #include "app/outputs.hpp"
 #include "app/session.hpp"
+#include "baton/ik/stand.hpp"
 #include "baton/input/script.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -137,6 +138,20 @@ TEST_F(RecallInPhysics,
   lead(5, 60.0);
   go_back();
   EXPECT_LT(place().norm(), 0.05);
+}
+
+TEST_F(RecallInPhysics,
+       FarFromTheOriginATurnIsNoSlip) {  // in 30 m of walking 120 slips were told of, and ways back lost
+  VecX q = session_.truth().q;
+  q[0] += 30.0;
+  app::Session far(robot_, world_, app::Session::On::sim, posture_of(robot_, q));
+  Command ahead;
+  ahead.axes << 1, 0, 0, 0, 0, 0.3;
+  while (far.t() < 15.0)
+    far.step(ahead);
+  EXPECT_FALSE(far.fallen());
+  EXPECT_GT(far.navigator().committed(), 30);
+  EXPECT_EQ(far.navigator().slips(), 0);
 }
 
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
