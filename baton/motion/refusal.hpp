@@ -22,6 +22,7 @@ enum class Reason {
   no_progress,        ///< no foothold brings the robot nearer to the goal
   no_landing,         ///< from there the lifted foot could not be put down again
   no_history,         ///< nothing is left to retrace
+  inclined_sole,      ///< the sole that would carry alone is inclined, as on an edge [rad]
   // plan and verify: the motion to it
   zmp,                 ///< ZMP nearer to the edge of the support polygon than the margin [m]
   unreachable,         ///< inverse kinematics leaves a residual on feet or COM [m or rad]
@@ -41,10 +42,10 @@ inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_fin
 
 [[nodiscard]] constexpr std::string_view to_string(Reason reason) {
   constexpr std::array<std::string_view, kReasons> names{
-      "foot_region", "foot_yaw",           "sole_gap",     "ground",   "com_height",     "trunk_inclination",
-      "no_progress", "no_landing",         "no_history",   "zmp",      "unreachable",    "joint_limit",
-      "joint_speed", "joint_acceleration", "joint_torque", "friction", "contact_wrench", "self_collision",
-      "obstacle",    "swing_ground",       "not_finite"};
+      "foot_region",    "foot_yaw",    "sole_gap",           "ground",        "com_height", "trunk_inclination",
+      "no_progress",    "no_landing",  "no_history",         "inclined_sole", "zmp",        "unreachable",
+      "joint_limit",    "joint_speed", "joint_acceleration", "joint_torque",  "friction",   "contact_wrench",
+      "self_collision", "obstacle",    "swing_ground",       "not_finite"};
   return names[static_cast<std::size_t>(reason)];
 }
 

@@ -37,7 +37,7 @@ constexpr double kSure = 0.15;         ///< for which that has to last [s]
 constexpr double kStill = 1.0;         ///< for which a robot that has been stood up has to be still [s]
 constexpr double kStillSpeed = 0.1;    ///< and its COM no faster [COM heights/s]
 constexpr double kEachCarries = 0.2;   ///< each sole with so much of the weight
-constexpr double kFlat = 0.1;          ///< and no more inclined [rad]
+constexpr double kFlat = 0.1;          ///< and no more inclined; nor may one be that carries the robot alone [rad]
 constexpr double kReserve = 0.05;      ///< of the ZMP's room, with which a step that catches the robot is made
 constexpr double kLacks = 0.02;        ///< of the commanded ZMP that is not there, and does not count [COM height]
 constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: the push may go on [COM height]
@@ -157,7 +157,10 @@ Planning::Outcome Planning::resolve(const Problem& problem, const Command& comma
 Planning::Outcome Planning::go_back(const Problem& problem) {
   if (!problem.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
   PlanResult planned = planner_.retrace(*problem.trail, problem.context.anchor);
-  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+  if (auto* motion = std::get_if<Motion>(&planned)) {
+    if (std::optional<Refusal> tips = no_stance(*motion, problem)) return *std::move(tips);
+    return std::move(*motion);
+  }
   return std::get<Refusal>(std::move(planned));
 }
 
@@ -296,13 +299,25 @@ PlanResult Planning::first_of(const std::vector<Goal>& goals, const Problem& pro
   for (const Goal& goal : goals) {
     PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor);
     if (auto* motion = std::get_if<Motion>(&planned)) {
-      std::optional<Refusal> stays_up = no_landing(*motion, problem.context);
-      if (!stays_up) return planned;
-      planned = *std::move(stays_up);
+      std::optional<Refusal> against_it = no_stance(*motion, problem);
+      if (!against_it) against_it = no_landing(*motion, problem.context);
+      if (!against_it) return planned;
+      planned = *std::move(against_it);
     }
     if (!against) against = std::get<Refusal>(planned);
   }
   return *against;
+}
+
+std::optional<Refusal> Planning::no_stance(const Motion& motion, const Problem& problem) {
+  if (!problem.tilted) return std::nullopt;
+  const Side side = problem.tilted->side;
+  const bool alone = std::any_of(motion.samples.begin(), motion.samples.end(), [side](const MotionSample& sample) {
+    return sample.contact[side] && !sample.contact[other(side)];
+  });
+  if (!alone) return std::nullopt;
+  return Refusal{Reason::inclined_sole, side == Side::left ? Part::left_foot : Part::right_foot, problem.tilted->by,
+                 kFlat, ""};
 }
 
 std::optional<Refusal> Planning::no_landing(const Motion& motion, const GuideContext& context) {
@@ -369,6 +384,18 @@ Pose Navigator::slid() const {
   return slid;
 }
 
+std::optional<Problem::Tilted> Navigator::tilted() const {
+  if (!sample_->contact.left || !sample_->contact.right) return std::nullopt;
+  BySide<double> by;
+  for (const Side side : kSides) {
+    const double agrees = state_->sole[side].R.col(2).dot(sample_->sole[side].R.col(2));
+    by[side] = odometry_.touch()[side] ? std::acos(std::clamp(agrees, -1.0, 1.0)) : 0.0;
+  }
+  const Side side = by.left > by.right ? Side::left : Side::right;
+  if (by[side] <= kFlat) return std::nullopt;
+  return Problem::Tilted{side, by[side]};
+}
+
 void Navigator::settle() {
   const Pose slid = this->slid();
   const double yaw = yaw_of(slid.R);
@@ -397,7 +424,9 @@ std::optional<Problem> Navigator::request() {
   const bool stops = command_.recall == Recall::stop || ends_back;
   std::optional<Problem> due;
   const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
-  const bool may_stay = disturbed_ && on_the_way && !stops;
+  const std::optional<Problem::Tilted> tilted = this->tilted();
+  const bool no_stance = tilted && motion_ && motion_->goal.swing == other(tilted->side);
+  const bool may_stay = (disturbed_ || no_stance) && on_the_way && !stops;
   if (may_stay && in_vain) due = problem_of_staying(index_ + lookahead);
   if (disturbed_ && !due) due = problem_of_catching(error.head<2>());
   if (may_stay && !due) due = problem_of_staying(index_ + lookahead);
@@ -411,6 +440,7 @@ std::optional<Problem> Navigator::request() {
     due = problem(command_);
   }
   if (!due) return std::nullopt;
+  due->tilted = tilted;
   const double slip = apart(due->context.anchor, anchor_, sample_->com);
   if (slip > most_slip) {
     ++slips_;

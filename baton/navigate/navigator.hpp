@@ -47,6 +47,12 @@ struct Problem {
   double beyond{0.0};
   std::optional<double> lands{};
   double gains{0.0};
+  /// A sole that stands tilted from where it was to, more than the other; it may step, but not carry the robot alone.
+  struct Tilted {
+    Side side = Side::left;
+    double by = 0.0;  ///< [rad]
+  };
+  std::optional<Tilted> tilted{};
 };
 
 /// The answer: nothing was asked for, a verified motion, or why there is none.
@@ -86,6 +92,8 @@ class Planning {
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
   [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const Problem& problem);
+  /// What speaks against lifting a foot, while the other stands on an edge.
+  [[nodiscard]] static std::optional<Refusal> no_stance(const Motion& motion, const Problem& problem);
   /// What speaks against putting down, from there, a foot that `motion` leaves in the air; none: it can be put down.
   [[nodiscard]] std::optional<Refusal> no_landing(const Motion& motion, const GuideContext& context);
 
@@ -184,6 +192,8 @@ class Navigator {
   [[nodiscard]] bool supported() const;
   /// How far the standing soles are from where they were planned, as one move of the planning frame.
   [[nodiscard]] Pose slid() const;
+  /// The sole that stands on an edge, or on what the map does not know, while both feet are to stand.
+  [[nodiscard]] std::optional<Problem::Tilted> tilted() const;
   /// At rest: lays the planning frame on where the soles are, little by little.
   void settle();
   /// Begins anew from where the robot stands, after a fall.

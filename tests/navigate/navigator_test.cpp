@@ -274,6 +274,36 @@ TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
   }
 }
 
+TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
+  // The ankle tells that a sole is tilted; who stood on such a one alone fell, in the room, from a step's edge.
+  Trip run(robot_, {.gait = Gait::stop}, "flat", StateSource::perfect);
+  run.step({});
+  const World flat = World::load("flat");
+  Planning planning(robot_, flat);
+  for (const Side tilted : kSides) {
+    for (const double angle : {0.05, 0.12}) {
+      Measurement measurement = run.body().read();
+      measurement.q[robot_.leg(tilted).back()] += tilted == Side::left ? angle : -angle;
+      for (const Side lifted : kSides) {
+        Navigator navigator(robot_, flat, run.home(), Gait::stop, StateSource::perfect);
+        const Command step = push(lifted == Side::left ? Part::left_foot : Part::right_foot, 0, 0.5);
+        navigator.tick(measurement, step);
+        const std::optional<Problem> problem = navigator.request();
+        ASSERT_TRUE(problem.has_value());
+        EXPECT_EQ(problem->tilted.has_value(), angle > 0.1);
+        const PlanningResult result = planning.plan(*problem);
+        const auto* refusal = std::get_if<Refusal>(&result.outcome);
+        const bool refused = angle > 0.1 && lifted != tilted;
+        ASSERT_EQ(refusal != nullptr, refused) << (refusal != nullptr ? to_string(refusal->reason) : "");
+        if (!refused) continue;
+        EXPECT_EQ(refusal->reason, Reason::inclined_sole);
+        EXPECT_EQ(refusal->part, tilted == Side::left ? Part::left_foot : Part::right_foot);
+        EXPECT_NEAR(refusal->value, angle, 0.01);
+      }
+    }
+  }
+}
+
 TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
   std::mt19937_64 random(22);
   for (int trial = 0; trial < 8; ++trial) {

@@ -119,6 +119,10 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
       case Reason::no_history:
         c.command.recall = Recall::retrace;
         break;
+      case Reason::inclined_sole:
+        c.command = step;
+        c.change = [](Problem& problem) { problem.tilted = {Side::right, 0.15}; };
+        break;
       case Reason::zmp:
         p.margin.zmp_plan = p.stance.width;
         c.command = step;

@@ -13,6 +13,7 @@ const reasons: Record<string, { text: string; unit: Unit; noPart?: true }> = {
   no_progress: { text: 'no foothold brings the robot nearer to the goal', unit: 'none' },
   no_landing: { text: 'the lifted foot could not be put down again from there', unit: 'none' },
   no_history: { text: 'nothing left to retrace', unit: 'none', noPart: true },
+  inclined_sole: { text: 'it stands tilted, as on an edge: it cannot carry the robot alone', unit: 'angle' },
   zmp: { text: 'the robot would come too near to tipping over an edge of its soles', unit: 'length' },
   unreachable: { text: 'arms and legs cannot take up that posture', unit: 'ratio' },
   joint_limit: { text: 'a joint would come too near to the end of its range', unit: 'angle' },
