@@ -316,8 +316,7 @@ std::optional<Refusal> Planning::no_stance(const Motion& motion, const Problem& 
     return sample.contact[side] && !sample.contact[other(side)];
   });
   if (!alone) return std::nullopt;
-  return Refusal{Reason::inclined_sole, side == Side::left ? Part::left_foot : Part::right_foot, problem.tilted->by,
-                 kFlat, ""};
+  return Refusal{Reason::inclined_sole, foot(side), problem.tilted->by, kFlat, ""};
 }
 
 std::optional<Refusal> Planning::no_landing(const Motion& motion, const GuideContext& context) {
@@ -388,8 +387,8 @@ std::optional<Problem::Tilted> Navigator::tilted() const {
   if (!sample_->contact.left || !sample_->contact.right) return std::nullopt;
   BySide<double> by;
   for (const Side side : kSides) {
-    const double agrees = state_->sole[side].R.col(2).dot(sample_->sole[side].R.col(2));
-    by[side] = odometry_.touch()[side] ? std::acos(std::clamp(agrees, -1.0, 1.0)) : 0.0;
+    const Mat3 turned = sample_->sole[side].R.transpose() * state_->sole[side].R;
+    by[side] = odometry_.touch()[side] ? tilt_of(turned) : 0.0;
   }
   const Side side = by.left > by.right ? Side::left : Side::right;
   if (by[side] <= kFlat) return std::nullopt;
@@ -425,8 +424,8 @@ std::optional<Problem> Navigator::request() {
   std::optional<Problem> due;
   const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
   const std::optional<Problem::Tilted> tilted = this->tilted();
-  const bool no_stance = tilted && motion_ && motion_->goal.swing == other(tilted->side);
-  const bool may_stay = (disturbed_ || no_stance) && on_the_way && !stops;
+  const bool leaves_tilted = tilted && motion_ && motion_->goal.swing == other(tilted->side);
+  const bool may_stay = (disturbed_ || leaves_tilted) && on_the_way && !stops;
   if (may_stay && in_vain) due = problem_of_staying(index_ + lookahead);
   if (disturbed_ && !due) due = problem_of_catching(error.head<2>());
   if (may_stay && !due) due = problem_of_staying(index_ + lookahead);

@@ -194,7 +194,7 @@ class Navigator {
   [[nodiscard]] Pose slid() const;
   /// The sole that stands on an edge, or on what the map does not know, while both feet are to stand.
   [[nodiscard]] std::optional<Problem::Tilted> tilted() const;
-  /// At rest: lays the planning frame on where the soles are, little by little.
+  /// At rest and on the way back: lays the planning frame on where the soles are, little by little.
   void settle();
   /// Begins anew from where the robot stands, after a fall.
   void begin_anew();

@@ -133,15 +133,15 @@ TEST_F(RecallInPhysics, ALongWalkIsRetraced) {  // refused once: the frame had g
   EXPECT_LT(place().norm(), 0.05);
 }
 
-TEST_F(RecallInPhysics,
-       AWayBackIsAsSteadyAsTheWay) {  // soles slid on its steps, until the legs could not make up for it
+TEST_F(RecallInPhysics, AWayBackIsAsSteadyAsTheWay) {
+  // Soles slid on its steps, once, until the legs could not make up for it.
   lead(5, 60.0);
   go_back();
   EXPECT_LT(place().norm(), 0.05);
 }
 
-TEST_F(RecallInPhysics,
-       FarFromTheOriginATurnIsNoSlip) {  // in 30 m of walking 120 slips were told of, and ways back lost
+TEST_F(RecallInPhysics, FarFromTheOriginATurnIsNoSlip) {
+  // In 30 m of walking 120 slips were told of, once, and ways back lost.
   VecX q = session_.truth().q;
   q[0] += 30.0;
   app::Session far(robot_, world_, app::Session::On::sim, posture_of(robot_, q));

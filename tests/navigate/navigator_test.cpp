@@ -286,7 +286,7 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
       measurement.q[robot_.leg(tilted).back()] += tilted == Side::left ? angle : -angle;
       for (const Side lifted : kSides) {
         Navigator navigator(robot_, flat, run.home(), Gait::stop, StateSource::perfect);
-        const Command step = push(lifted == Side::left ? Part::left_foot : Part::right_foot, 0, 0.5);
+        const Command step = push(foot(lifted), 0, 0.5);
         navigator.tick(measurement, step);
         const std::optional<Problem> problem = navigator.request();
         ASSERT_TRUE(problem.has_value());
@@ -297,7 +297,7 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
         ASSERT_EQ(refusal != nullptr, refused) << (refusal != nullptr ? to_string(refusal->reason) : "");
         if (!refused) continue;
         EXPECT_EQ(refusal->reason, Reason::inclined_sole);
-        EXPECT_EQ(refusal->part, tilted == Side::left ? Part::left_foot : Part::right_foot);
+        EXPECT_EQ(refusal->part, foot(tilted));
         EXPECT_NEAR(refusal->value, angle, 0.01);
       }
     }
