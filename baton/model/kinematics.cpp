@@ -1,6 +1,6 @@
 #include "baton/model/kinematics.hpp"
 
-#include <cmath>
+#include <utility>
 
 namespace baton {
 namespace {
@@ -9,66 +9,99 @@ Eigen::Map<const Vec3> vec3(const mjtNum* values) {
   return Eigen::Map<const Vec3>(values);
 }
 
-}  // namespace
-
-Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeData(&robot.mj())) {}
-
-void Kinematics::set(const VecX& q) {
-  mju_copy(data_->qpos, q.data(), robot_->nq());
-  mj_kinematics(&robot_->mj(), data_.get());
-  prepared_ = false;
+Mat3 matrix(const mjtNum* quat) {
+  return Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix();
 }
 
-void Kinematics::prepare() const {
-  if (!prepared_) mj_comPos(&robot_->mj(), data_.get());
-  prepared_ = true;
+}  // namespace
+
+Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeData(&robot.mj())), q_(robot.nq()) {
+  const mjModel& m = robot.mj();
+  for (int b = 0; b < m.nbody; ++b) {
+    const Mat3 R = matrix(m.body_quat + 4 * b);
+    principal_.push_back(matrix(m.body_iquat + 4 * b));
+    turned_.push_back(R.isIdentity(0.0) ? std::nullopt : std::optional(R));
+  }
+  link_.resize(turned_.size());
+  subtree_.resize(turned_.size());
+  axis_.resize(static_cast<std::size_t>(m.nv));
+}
+
+void Kinematics::set(const VecX& q) {
+  const mjModel& m = robot_->mj();
+  q_ = q;
+  link_[1] = {q.head<3>(), Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized().toRotationMatrix()};
+  for (int k = 0; k < 3; ++k)
+    axis_[static_cast<std::size_t>(3 + k)] = {link_[1].R.col(k), link_[1].p};
+  for (int b = 2; b < m.nbody; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    const Pose& parent = link_[static_cast<std::size_t>(m.body_parentid[b])];
+    Mat3 R = parent.R;
+    Vec3 p = parent.p + R.lazyProduct(vec3(m.body_pos + 3 * b));
+    if (turned_[i]) R *= *turned_[i];
+    for (int j = m.body_jntadr[b]; j < m.body_jntadr[b] + m.body_jntnum[b]; ++j) {
+      const auto direction = vec3(m.jnt_axis + 3 * j);
+      const auto beside = vec3(m.jnt_pos + 3 * j);
+      const bool aside = !beside.isZero(0.0);
+      if (aside) p += R * beside;
+      axis_[static_cast<std::size_t>(m.jnt_dofadr[j])] = {R.lazyProduct(direction), p};
+      const double angle = q[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
+      R *= Eigen::AngleAxisd(angle, direction).toRotationMatrix();
+      if (aside) p -= R * beside;
+    }
+    link_[i] = {p, R};
+  }
+  weighed_ = placed_ = false;
+}
+
+void Kinematics::weigh() const {
+  if (std::exchange(weighed_, true)) return;
+  const mjModel& m = robot_->mj();
+  for (int b = 1; b < m.nbody; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    subtree_[i] = m.body_mass[b] * (link_[i] * vec3(m.body_ipos + 3 * b));
+  }
+  for (int b = m.nbody - 1; b > 1; --b)
+    subtree_[static_cast<std::size_t>(m.body_parentid[b])] += subtree_[static_cast<std::size_t>(b)];
+}
+
+void Kinematics::place() const {
+  if (std::exchange(placed_, true)) return;
+  mju_copy(data_->qpos, q_.data(), robot_->nq());
+  mj_kinematics(&robot_->mj(), data_.get());
 }
 
 Vec3 Kinematics::com() const {
-  const mjModel& m = robot_->mj();
-  Vec3 moment = Vec3::Zero();
-  for (int b = 1; b < m.nbody; ++b)
-    moment += m.body_mass[b] * vec3(data_->xipos + 3 * b);
-  return moment / robot_->mass();
-}
-
-Pose Kinematics::body(int id) const {
-  return {vec3(data_->xpos + 3 * id),
-          Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_->xmat + 9 * id)};
-}
-
-Kinematics::Axis Kinematics::dof_axis(int dof) const {
-  const int joint = robot_->mj().dof_jntid[dof];
-  return {vec3(data_->xaxis + 3 * joint), vec3(data_->xanchor + 3 * joint)};
+  weigh();
+  return subtree_[1] / robot_->mass();
 }
 
 void Kinematics::com_jacobian(Eigen::Ref<JacobianRows> rows) const {
-  prepare();
+  weigh();
   const mjModel& m = robot_->mj();
-  const Vec3 origin = vec3(data_->subtree_com + 3);
-  for (int i = 0; i < m.nv; ++i) {
+  rows.leftCols<3>().setIdentity();
+  for (int i = 3; i < m.nv; ++i) {
     const int body = m.dof_bodyid[i];
-    const mjtNum* axis = data_->cdof + 6 * i;  // rotation, then translation, about the robot's COM
-    rows.col(i) = (vec3(axis + 3) + vec3(axis).cross(vec3(data_->subtree_com + 3 * body) - origin)) *
-                  (m.body_subtreemass[body] / robot_->mass());
+    const Axis& axis = dof_axis(i);
+    rows.col(i) =
+        axis.direction.cross(subtree_[static_cast<std::size_t>(body)] - m.body_subtreemass[body] * axis.point) /
+        robot_->mass();
   }
 }
 
 void Kinematics::point_jacobian(int body, const Vec3& point, Eigen::Ref<JacobianRows> rows) const {
-  prepare();
   rows.setZero();
-  const Vec3 lever = point - vec3(data_->subtree_com + 3);
+  rows.leftCols<3>().setIdentity();
   for (const int i : robot_->dofs_to(body)) {
-    const mjtNum* axis = data_->cdof + 6 * i;
-    rows.col(i) = vec3(axis + 3) + vec3(axis).cross(lever);
+    if (i >= 3) rows.col(i) = dof_axis(i).direction.cross(point - dof_axis(i).point);
   }
 }
 
 void Kinematics::rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) const {
-  prepare();
   rows.setZero();
-  for (const int i : robot_->dofs_to(body))
-    rows.col(i) = vec3(data_->cdof + 6 * i);
+  for (const int i : robot_->dofs_to(body)) {
+    if (i >= 3) rows.col(i) = dof_axis(i).direction;
+  }
 }
 
 void Kinematics::sole_jacobian(Side side, Eigen::Ref<JacobianRows> rows) const {
@@ -80,7 +113,22 @@ void Kinematics::sole_jacobian(Side side, Eigen::Ref<JacobianRows> rows) const {
 void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force) {
   const mjModel& m = robot_->mj();
   set(q);
-  prepare();
+  // What mj_comPos and mj_rne ask for of what mj_kinematics sets.
+  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  for (int b = 1; b < m.nbody; ++b) {
+    const Pose& link = body(b);
+    Eigen::Map<Vec3>(data_->xpos + 3 * b) = link.p;
+    Eigen::Map<Rows>(data_->xmat + 9 * b) = link.R;
+    Eigen::Map<Vec3>(data_->xipos + 3 * b) = link * vec3(m.body_ipos + 3 * b);
+    Eigen::Map<Rows>(data_->ximat + 9 * b) = link.R * principal_[static_cast<std::size_t>(b)];
+  }
+  for (int j = 1; j < m.njnt; ++j) {
+    const Axis& axis = dof_axis(m.jnt_dofadr[j]);
+    Eigen::Map<Vec3>(data_->xaxis + 3 * j) = axis.direction;
+    Eigen::Map<Vec3>(data_->xanchor + 3 * j) = axis.point;
+  }
+  Eigen::Map<Vec3>(data_->xanchor) = body(1).p;
+  mj_comPos(&m, data_.get());
   mju_copy(data_->qvel, dq.data(), m.nv);
   mju_copy(data_->qacc, ddq.data(), m.nv);
   mj_comVel(&m, data_.get());
@@ -90,6 +138,7 @@ void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq
 }
 
 double Kinematics::self_distance(double limit, std::array<int, 2>* geoms) const {
+  place();
   const mjModel& m = robot_->mj();
   double least = limit;
   for (int k = 0; k < m.npair; ++k) {

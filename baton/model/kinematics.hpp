@@ -22,14 +22,15 @@ class Kinematics {
   [[nodiscard]] Pose sole(Side side) const { return body(robot_->foot_body(side)) * robot_->sole_in_foot(side); }
   [[nodiscard]] Pose hand(Side side) const { return body(robot_->hand_body(side)) * robot_->hand_in_body(side); }
   [[nodiscard]] Vec3 shoulder(Side side) const { return body(robot_->shoulder_body(side)).p; }
-  [[nodiscard]] Pose body(int id) const;
+  [[nodiscard]] const Pose& body(int id) const { return link_[static_cast<std::size_t>(id)]; }
 
-  /// A hinge in the world.
+  /// What a link turns about, in the world.
   struct Axis {
     Vec3 direction;  ///< unit
     Vec3 point;      ///< on the axis [m]
   };
-  [[nodiscard]] Axis dof_axis(int dof) const;
+  /// Of a degree of freedom but the first three, which shift the root.
+  [[nodiscard]] const Axis& dof_axis(int dof) const { return axis_[static_cast<std::size_t>(dof)]; }
 
   /// Jacobian of the COM, written to `rows` (3 × nv). docs/theory.md §5.
   void com_jacobian(Eigen::Ref<JacobianRows> rows) const;
@@ -51,12 +52,21 @@ class Kinematics {
   [[nodiscard]] double self_distance(double limit, std::array<int, 2>* geoms = nullptr) const;
 
  private:
-  /// MuJoCo's preparation for Jacobians, put off until one is asked for.
-  void prepare() const;
+  /// Sums up what the links and all that hang on them weigh, once it is asked for.
+  void weigh() const;
+  /// Sets MuJoCo's data to the configuration, once they are needed: that takes longer than all of the above.
+  void place() const;
 
   const RobotModel* robot_;
   DataPtr data_;
-  mutable bool prepared_ = false;
+  VecX q_;
+  std::vector<std::optional<Mat3>> turned_;  ///< of each link in its parent, all joints at zero; none: not turned
+  std::vector<Mat3> principal_;              ///< axes of inertia of each link in it
+  std::vector<Pose> link_;
+  std::vector<Axis> axis_;             ///< by degree of freedom
+  mutable std::vector<Vec3> subtree_;  ///< mass × COM of each link with all that hang on it [kg m]
+  mutable bool weighed_ = false;
+  mutable bool placed_ = false;
 };
 
 /// Puts the root at a pose; `q`: nq.

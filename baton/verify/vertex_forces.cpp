@@ -13,7 +13,8 @@ constexpr double kRegularisation = 1e-8;  ///< ε, of forces in units of the wei
 
 struct VertexForces::Workspace {
   eiquadprog::solvers::EiquadprogFast qp;
-  MatX G, H, CE, CI;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> G;
+  MatX H, CE, CI;
   VecX g, ce, ci, f;
 };
 
@@ -36,7 +37,7 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
   // A pyramid inside the cone.
   const double mu = robot_->profile().margin.friction / std::sqrt(2.0);
   w.G.setZero(6, 3 * n);
-  w.CI.setZero(5 * n, 3 * n);
+  Eigen::Matrix<double, 6, 6> gram = kRegularisation * Eigen::Matrix<double, 6, 6>::Identity();
   Eigen::Index i = 0;
   for (const Side side : kSides) {
     if (!contact[side]) continue;
@@ -46,13 +47,8 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
       w.G.block<3, 3>(0, 3 * i) = R;
       for (int axis = 0; axis < 3; ++axis)
         w.G.block<3, 1>(3, 3 * i + axis) = arm.cross(R.col(axis));
-      for (int axis = 0; axis < 2; ++axis) {
-        w.CI(5 * i + 2 * axis, 3 * i + axis) = 1.0;
-        w.CI(5 * i + 2 * axis + 1, 3 * i + axis) = -1.0;
-        w.CI(5 * i + 2 * axis, 3 * i + 2) = mu;
-        w.CI(5 * i + 2 * axis + 1, 3 * i + 2) = mu;
-      }
-      w.CI(5 * i + 4, 3 * i + 2) = 1.0;
+      for (int axis = 0; axis < 3; ++axis)
+        gram.noalias() += w.G.col(3 * i + axis) * w.G.col(3 * i + axis).transpose();
       ++i;
     }
   }
@@ -60,10 +56,21 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
   wanted << total.force / weight, total.moment_about(com) / (weight * length);
   if (!wanted.allFinite()) return std::numeric_limits<double>::infinity();
   // Without the cones it is the minimiser as well where it happens to lie in them.
-  Eigen::Matrix<double, 6, 6> gram = w.G * w.G.transpose();
-  gram.diagonal().array() += kRegularisation;
   w.f.noalias() = w.G.transpose() * gram.ldlt().solve(wanted);
-  if ((w.CI * w.f).minCoeff() >= 0.0) return (w.G * w.f - wanted).norm();
+  bool inside = true;
+  for (i = 0; i < n && inside; ++i)
+    inside = w.f.segment<2>(3 * i).cwiseAbs().maxCoeff() <= mu * w.f[3 * i + 2];
+  if (inside) return (w.G * w.f - wanted).norm();
+  w.CI.setZero(5 * n, 3 * n);
+  for (i = 0; i < n; ++i) {
+    for (int axis = 0; axis < 2; ++axis) {
+      w.CI(5 * i + 2 * axis, 3 * i + axis) = 1.0;
+      w.CI(5 * i + 2 * axis + 1, 3 * i + axis) = -1.0;
+      w.CI(5 * i + 2 * axis, 3 * i + 2) = mu;
+      w.CI(5 * i + 2 * axis + 1, 3 * i + 2) = mu;
+    }
+    w.CI(5 * i + 4, 3 * i + 2) = 1.0;
+  }
   w.H.noalias() = w.G.transpose() * w.G;
   w.H.diagonal().array() += kRegularisation;
   w.g.noalias() = -(w.G.transpose() * wanted);

@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
 #include "baton/ik/stand.hpp"
 #include "baton/model/contact.hpp"
 #include "tests/support/robots.hpp"
+#include "tests/support/temp.hpp"
 
 namespace baton {
 namespace {
@@ -54,6 +59,65 @@ TEST_P(RobotModelTest, JacobiansAreTheDerivativesOfTheKinematics) {
     EXPECT_LT(((k.hand(Side::left).p - hand0.p) / h - point * dq).norm(), 1e-4);
     EXPECT_LT((rotation_error(k.hand(Side::left).R, hand0.R) / h - rotation * dq).norm(), 1e-4);
   }
+}
+
+/// Links, axes and COM against those of MuJoCo, at random configurations.
+void expect_as_in_the_simulator(const RobotModel& robot) {
+  const mjModel& m = robot.mj();
+  const DataPtr data(mj_makeData(&m));
+  Kinematics k(robot);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  const double fine = 1e-12 * robot.profile().stance.com_height;
+  for (int trial = 0; trial < 1000; ++trial) {
+    VecX q = Eigen::Map<const VecX>(m.qpos0, m.nq);
+    integrate(robot, q, VecX::NullaryExpr(robot.nv(), [&] { return normal(random); }), 1.0);
+    q.segment<4>(3) *= std::exp(normal(random));  // of any norm
+    mju_copy(data->qpos, q.data(), m.nq);
+    mj_kinematics(&m, data.get());
+    mj_comPos(&m, data.get());
+    k.set(q);
+    for (int b = 1; b < m.nbody; ++b) {
+      ASSERT_LT((k.body(b).p - Eigen::Map<const Vec3>(data->xpos + 3 * b)).norm(), fine);
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(data->xmat + 9 * b);
+      ASSERT_LT((k.body(b).R - R).norm(), 1e-12);
+    }
+    for (int dof = 6; dof < m.nv; ++dof) {
+      const Kinematics::Axis& axis = k.dof_axis(dof);
+      ASSERT_LT((axis.direction - Eigen::Map<const Vec3>(data->xaxis + 3 * m.dof_jntid[dof])).norm(), 1e-12);
+      ASSERT_LT((axis.point - Eigen::Map<const Vec3>(data->xanchor + 3 * m.dof_jntid[dof])).norm(), fine);
+    }
+    ASSERT_LT((k.com() - Eigen::Map<const Vec3>(data->subtree_com + 3)).norm(), fine);
+  }
+}
+
+TEST_P(RobotModelTest, LinksAreWhereTheSimulatorHasThem) {
+  expect_as_in_the_simulator(robot_);
+}
+
+TEST(Mighty, LinksAreWhereTheSimulatorHasThemHoweverTheModelIsWritten) {
+  // Turned links, joints beside the links' origins and not at zero, two of them in one link.
+  const std::filesystem::path folder = std::filesystem::path(test::temp_folder()) / "baton_odd_mighty";
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path source = share_dir() / "robots" / "mighty";
+  std::filesystem::copy_file(source / "profile.toml", folder / "profile.toml",
+                             std::filesystem::copy_options::overwrite_existing);
+  std::ifstream file(source / "mighty.xml");
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto flexion = text.find("<joint name=\"left_elbow_flexion\"");
+  const std::string joint = text.substr(flexion, text.find("/>", flexion) + 2 - flexion);
+  text.erase(flexion, joint.size());
+  text.insert(text.find("/>", text.find("<joint name=\"left_elbow_rotation\"")) + 2, joint);
+  const auto everywhere = [&](const std::string& what, const std::string& before) {
+    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + before.size() + what.size()))
+      text.insert(at, before);
+  };
+  everywhere(" axis=\"", " pos=\"0.01 -0.02 0.03\" ref=\"0.1\"");
+  everywhere(" pos=\"0 0 -0.044\"", " euler=\"10 20 30\"");
+  std::ofstream(folder / "mighty.xml") << text;
+  const RobotModel robot = RobotModel::load((folder / "profile.toml").string());
+  EXPECT_EQ(robot.nv(), test::robot("mighty").nv());
+  expect_as_in_the_simulator(robot);
 }
 
 TEST_P(RobotModelTest, AtRestTheGroundCarriesTheWeightBelowTheCom) {
