@@ -16,6 +16,7 @@ constexpr double kTrust = 20.0;     ///< rate at which the velocity follows the 
 constexpr double kSmooth = 40.0;    ///< rate at which the joints' speeds follow the measured ones [1/s]
 constexpr double kRelax = 10.0;     ///< rate at which a foothold follows where a sole with no load is [1/s]
 constexpr double kMap = 1.0;        ///< rate at which heights follow those of the ground [1/s]
+constexpr double kDrift = 1e-3;     ///< error of the place, of the way gone
 constexpr double kOnTheMap = 0.05;  ///< farther from the known ground a sole stands on something else [COM height]
 
 }  // namespace
@@ -38,7 +39,7 @@ Odometry::Odometry(const RobotModel& robot, const World& world, StateSource sour
                                  robot.profile().name, to_string(source)));
   }
   for (const Side side : kSides)
-    foothold_[side] = start.sole[side].p;
+    footfall_[side] = foothold_[side] = start.sole[side].p;
   completed_.q = completed_.dq = completed_.torque = speed_error_;
 }
 
@@ -77,6 +78,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   dq_.tail(robot_->nv() - 6) = completed_.dq;
   kinematics_.set(q_);
   measure_soles(measurement, planned, ddroot, drate);
+  const BySide<bool> touched = touch_;
   note_touch();
 
   // Where the soles that stand say that the root is, and how fast it moves.
@@ -107,12 +109,19 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     const double share = touch_[side] ? load_[side] / total : 0.0;
     const double follows = touch_[side] ? (1.0 - share) * std::min(1.0, period_ * kRelax) : 1.0;
     foothold_[side] += follows * (place_ + from_root[side] - foothold_[side]);
+    if (!touch_[side]) continue;
+    if (!touched[side]) gone_ += (foothold_[side] - footfall_[side]).head<2>().norm();
+    footfall_[side] = foothold_[side];
   }
   follow_map(planned);
   root.pose.p = place_;
   root.velocity = velocity_;
   first_ = false;
   return completed_;
+}
+
+double Odometry::uncertainty() const {
+  return kDrift * 0.5 * gone_;
 }
 
 void Odometry::smooth_speeds(const Measurement& measurement, const MotionSample& planned) {

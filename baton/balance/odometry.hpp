@@ -33,6 +33,8 @@ class Odometry {
 
   /// Vertical force on each sole [N].
   [[nodiscard]] const BySide<double>& load() const { return load_; }
+  /// How far off the place may be, by the way that the feet have gone, from footfall to footfall [m].
+  [[nodiscard]] double uncertainty() const;
   /// Whether a sole carries some of the weight.
   [[nodiscard]] const BySide<bool>& touch() const { return touch_; }
 
@@ -60,6 +62,8 @@ class Odometry {
   Vec3 velocity_ = Vec3::Zero();
   Vec3 rate_before_ = Vec3::Zero();
   BySide<Vec3> foothold_;  ///< where the soles stand [m]
+  BySide<Vec3> footfall_;  ///< where they stood last [m]
+  double gone_ = 0.0;      ///< way of both feet, from footfall to footfall [m]
   BySide<bool> touch_{true, true};
   BySide<double> load_;
 };

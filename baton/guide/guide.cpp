@@ -52,6 +52,7 @@ Goal Guide::stay(const GuideContext& context, Part guided) const {
   goal.guided = guided;
   goal.sole = context.from.sole;
   goal.contact = context.from.contact;
+  goal.unsure = context.unsure;
   goal.com = context.from.com;
   goal.trunk = leaning(context.from.trunk, robot_->profile().region.trunk_inclination);
   goal.arms = context.from.q.tail(robot_->nv() - 6);
@@ -112,7 +113,8 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
     placement.sole.p.z() = ground + lift;
     return placement;
   }
-  const Foothold foothold = world_->foothold(in_world, profile.ground, edge.value_or(profile.margin.edge));
+  const Foothold foothold =
+      world_->foothold(in_world, profile.ground, edge.value_or(profile.margin.edge + context.unsure));
   if (!foothold.flat) {
     placement.against = {Reason::ground, part, foothold.deviation, profile.ground.flatness, ""};
     return placement;

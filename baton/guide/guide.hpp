@@ -29,6 +29,8 @@ struct GuideContext {
   std::optional<Step> step{};
   bool goes_on = false;  ///< the stick is held: better a step now than where there is no other way
 
+  double unsure = 0.0;  ///< how far off the robot's place may be: edges are kept so much farther away [m]
+
   Pose way{};   ///< where the planning frame would be if no sole had slid
   Pose back{};  ///< of the move there, in the planning frame, what a guided trunk makes up for now
 };
@@ -89,8 +91,8 @@ class Guide {
   /// the COM as high as at the start, and with the trunk upright too.
   void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
   void arms_home(Goal& goal) const;
-  /// The foot at a place on the ground, as far from edges as the profile says or as given, or in the air `lift` above
-  /// it.
+  /// The foot at a place on the ground, as far from edges as the profile and the place's uncertainty say, or as given,
+  /// or in the air `lift` above it.
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
                                 const Range& forward, std::optional<double> edge = {}) const;
   /// Of the places in the foot's region, the nearest to `at` that can be stood on.

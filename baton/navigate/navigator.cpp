@@ -16,6 +16,8 @@ constexpr int kShrinkings = 3;            ///< shares of a goal that are tried
 constexpr std::size_t kAxesTried = 3;     ///< one by one, when nothing along the direction can be had
 constexpr double kWorth = 0.05;           ///< least part of the guided part's reach that a shrunk motion makes
 constexpr double kSlip = 0.2;             ///< jump of the planning frame that is a slip, of the reach of a foot
+constexpr double kByEdges = 2.0;          ///< of the feet's largest distance: edges within that may be landed by
+constexpr double kSlipByEdges = 0.5;      ///< there, of the margin to them: so far soles may slide on the way back
 constexpr double kMakesUp = 0.05;         ///< how much of the trunk's reach a motion makes up for
 constexpr std::ptrdiff_t kHistory = 200;  ///< motions that are kept to be retraced
 constexpr long kHistoryTicks = 100000;    ///< of all of them together
@@ -44,7 +46,8 @@ constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: t
 constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
 constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
 constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
-constexpr double kBack = 0.01;              ///< error below which it is again
+constexpr double kUnsure = 0.7;  ///< share of the room on both sides of an edge, as a step goes past it, to stay off it
+constexpr double kBack = 0.01;   ///< error below which it is again
 
 /// What a step that catches the robot may use up: what is there for a plan to be followed well, not what the robot
 /// needs afterwards to go on from where it stands.
@@ -340,6 +343,7 @@ std::optional<Refusal> Planning::no_landing(const Motion& motion, const GuideCon
 
 Navigator::Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait, StateSource source)
     : robot_(&robot),
+      world_(&world),
       gait_(gait),
       odometry_(robot, world, source, start),
       estimator_(robot),
@@ -418,8 +422,11 @@ std::optional<Problem> Navigator::request() {
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
   // A way back rests where it can once it is let go of, the robot is pushed, or soles slid too far for its margins.
   const double most_slip = kSlip * robot_->profile().reach.foot;
-  const bool ends_back = on_the_way && motion_->retraces &&
-                         (command_.neutral() || disturbed_ || apart(anchor_, base_.anchor, sample_->com) > most_slip);
+  const auto slid_too_far = [&] {
+    const double most = edges_near() ? kSlipByEdges * robot_->profile().margin.edge : most_slip;
+    return apart(anchor_, base_.anchor, sample_->com) > most;
+  };
+  const bool ends_back = on_the_way && motion_->retraces && (command_.neutral() || disturbed_ || slid_too_far());
   const bool stops = command_.recall == Recall::stop || ends_back;
   std::optional<Problem> due;
   const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
@@ -461,6 +468,11 @@ std::optional<Problem> Navigator::request() {
   return asked_;
 }
 
+bool Navigator::edges_near() const {
+  const std::optional<GroundPoint> ground = world_->ground((anchor_ * sample_->com).head<2>());
+  return !ground || ground->edge < kByEdges * robot_->profile().region.foot_lateral.hi;
+}
+
 bool Navigator::replaceable(int at) const {
   if (gait_ == Gait::stop || motion_->retraces || halts_ || command_.recall != Recall::none || command_.neutral())
     return false;
@@ -486,7 +498,18 @@ GuideContext Navigator::context_at_rest() const {
   GuideContext context{rest(), anchor_ * slid(), last_step_, foothold_};
   if (motion_) note_steps(motion_->goal, context.last_step, context.foothold);
   context.way = way_;
+  // With a foot in the air it stays what that was to land with.
+  context.unsure = sample_->contact.left && sample_->contact.right ? unsure() : base_.unsure;
   return context;
+}
+
+double Navigator::unsure() const {
+  const Profile& profile = robot_->profile();
+  double length = 0.0;
+  for (const Vec2& vertex : robot_->sole(Side::left).vertices())
+    length = std::max(length, 2.0 * vertex.x());
+  const double past_an_edge = std::max(0.0, 0.5 * (profile.region.foot_x.hi - length) - profile.margin.edge);
+  return std::min(odometry_.uncertainty(), kUnsure * past_an_edge);
 }
 
 Pose Navigator::way_back(const GuideContext& context, const Command& command) const {

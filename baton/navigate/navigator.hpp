@@ -207,6 +207,8 @@ class Navigator {
   void drop_refusal();
   /// Swaps it in.
   void put_refusal(Refusal& refusal);
+  /// Whether the ground has edges where the robot is.
+  [[nodiscard]] bool edges_near() const;
   /// Whether the motion under way is to be replaced at its sample `at`.
   [[nodiscard]] bool replaceable(int at) const;
   /// What all tasks of replacing it there have in common.
@@ -228,12 +230,15 @@ class Navigator {
   [[nodiscard]] std::optional<Problem> problem_of_catching(const Vec2& error) const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
+  /// How far off the robot's place is taken to be: no more than leaves steps past edges [m].
+  [[nodiscard]] double unsure() const;
   /// What a trunk that is led by this command makes up for of how far soles slid.
   [[nodiscard]] Pose way_back(const GuideContext& context, const Command& command) const;
   /// Where the motion that ends next comes to rest, or where the robot rests.
   [[nodiscard]] const Posture& rest() const { return motion_ ? motion_->end : posture_; }
 
   const RobotModel* robot_;
+  const World* world_;
   Gait gait_;
   Odometry odometry_;
   Estimator estimator_;

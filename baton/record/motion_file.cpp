@@ -115,6 +115,7 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
           {"lift_off", pose_json(motion.lift_off)},
           {"retraces", motion.retraces},
           {"returns", motion.goal.returns},
+          {"unsure", motion.goal.unsure},
           {"samples", samples}};
 }
 
@@ -156,6 +157,7 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   motion.contact_before = node.at("contact_before").contact();
   motion.retraces = node.at("retraces").truth();
   motion.goal.returns = node.at("returns").truth();
+  motion.goal.unsure = node.at("unsure").number();
   motion.dq0 = node.at("dq0").vector(robot.nv());
   differentiate(robot, motion);
   return motion;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <utility>
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
@@ -99,6 +100,8 @@ TEST(Recall, AFlowingWalkIsRetracedWholeFromRestToRest) {
 /// In physics, where soles sink and slide on every step: a stick held for some time, a rest, and the way back.
 class RecallInPhysics : public testing::Test {
  protected:
+  explicit RecallInPhysics(const std::string& world = "flat") : world_(World::load(world)) {}
+
   void lead(int axis, double seconds) {
     Command ahead;
     ahead.axes[axis] = 1.0;
@@ -113,6 +116,12 @@ class RecallInPhysics : public testing::Test {
     back.recall = Recall::retrace;
     while (navigator_.history() > 0 || navigator_.motion() != nullptr) {
       session_.step(back);
+      if (std::exchange(motions_, navigator_.committed()) != navigator_.committed()) {
+        verified_ = navigator_.anchor();
+        ++ways_;
+      }
+      const Vec3& com = navigator_.sample().com;
+      farthest_ = std::max(farthest_, (navigator_.anchor() * com - verified_ * com).norm());
       ASSERT_FALSE(navigator_.disturbed()) << session_.t();
       ASSERT_TRUE(!navigator_.refusal() || navigator_.refusal()->reason == Reason::no_history);
     }
@@ -120,9 +129,18 @@ class RecallInPhysics : public testing::Test {
   [[nodiscard]] Vec2 place() const { return session_.truth().q.head<2>(); }
 
   const RobotModel robot_ = RobotModel::load("mighty");
-  const World world_ = World::load("flat");
+  const World world_;
   app::Session session_{robot_, world_, app::Session::On::sim};
   const Navigator& navigator_ = session_.navigator();
+  long motions_ = 0;
+  int ways_ = 0;           ///< motions back, with halts
+  Pose verified_;          ///< where the planning frame was when a motion back was verified
+  double farthest_ = 0.0;  ///< that it has been from there [m]
+};
+
+class RecallByEdges : public RecallInPhysics {
+ protected:
+  RecallByEdges() : RecallInPhysics("room") {}
 };
 
 TEST_F(RecallInPhysics, ALongWalkIsRetraced) {  // refused once: the frame had gone up by what soles sink on each step
@@ -137,6 +155,15 @@ TEST_F(RecallInPhysics, AWayBackIsAsSteadyAsTheWay) {
   // Soles slid on its steps, once, until the legs could not make up for it.
   lead(5, 60.0);
   go_back();
+  EXPECT_LT(place().norm(), 0.05);
+}
+
+TEST_F(RecallByEdges, TheWayBackIsVerifiedAgainBeforeSolesSlideOffTheirMargin) {
+  // Soles slid by up to 10 mm, once, and steps back were put over edges.
+  lead(5, 40.0);
+  go_back();
+  EXPECT_GT(ways_, 1);
+  EXPECT_LT(farthest_, robot_.profile().margin.edge);
   EXPECT_LT(place().norm(), 0.05);
 }
 

@@ -337,6 +337,8 @@ TEST_P(OdometryTest, InPhysicsItStraysLittleAndItsDcmIsSmooth) {
   });
   EXPECT_GT(way, 2.0 * size_);
   EXPECT_LT(error.head<2>().norm(), 0.01 * way);
+  // It says so itself: in proportion to the way, from footfall to footfall.
+  EXPECT_NEAR(odometry.uncertainty(), 1e-3 * way, 0.2e-3 * way);
   EXPECT_LT(std::sqrt(squares / ticks), 0.003 * size_);
   EXPECT_LT(worst, 0.01 * size_);
 }
@@ -352,6 +354,19 @@ TEST_P(OdometryTest, PerfectIsWhatIsMeasured) {
     ASSERT_EQ(found.root->rate, moment.measured.root->rate);
     ASSERT_EQ(found.dq, moment.measured.dq);
   }
+  EXPECT_EQ(odometry.uncertainty(), 0.0);
+}
+
+TEST_P(OdometryTest, StandingAndShiftingItLosesNoPlace) {
+  Session session(robot_, world_, Session::On::sim);
+  const auto shifts = [](double t) {
+    Command command;
+    command.axes[2] = std::sin(3.0 * t);
+    return command;
+  };
+  live(session, 8.0, shifts, [](const Moment&) {});
+  EXPECT_GT(session.navigator().committed(), 5);
+  EXPECT_LT(session.navigator().odometry().uncertainty(), 1e-6 * size_);
 }
 
 TEST_P(OdometryTest, WithoutAnImuOnTheRootOnlyAPerfectStateWillDo) {

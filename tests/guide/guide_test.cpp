@@ -496,6 +496,40 @@ TEST(GuideInTheRoom, AFootMayGoBackToWhereItStoodThoughThatIsNearAnEdge) {
   EXPECT_LT((back->sole.left.p - stood.p).norm(), 1e-9);
 }
 
+TEST(GuideInTheRoom, TheLessSureThePlaceTheFartherFromEdges) {
+  const RobotModel& robot = test::robot("mighty");
+  const Guide guide(robot, room());
+  const Posture from = stand(robot, room().site("start"), robot.profile().stance.com_height);
+  double toe = 0.0;
+  for (const Vec2& vertex : robot.sole(Side::left).vertices())
+    toe = std::max(toe, vertex.x());
+  const double edge = 0.12 - robot.profile().margin.edge - toe;  // the stage ends at 0.12
+  for (const double unsure : {0.0, 0.001, 0.0025}) {
+    for (const double nearer : {-1e-4, 1e-4}) {
+      GuideContext context{from, Pose{}, Side::right, from.sole};
+      context.unsure = unsure;
+      Command step;
+      step.guide = Part::left_foot;
+      step.axes[0] = (edge - unsure + nearer - from.sole.left.p.x()) / robot.profile().reach.foot;
+      while (std::abs(step.axes[0]) > 1.0) {  // within reach of it
+        const double closer = std::copysign(robot.profile().reach.foot, step.axes[0]);
+        for (const Side side : kSides)
+          context.from.sole[side].p.x() += closer;
+        context.from.com.x() += closer;
+        step.axes[0] -= std::copysign(1.0, step.axes[0]);
+      }
+      const GuideResult result = guide.goals(context, step);
+      const auto* goals = std::get_if<std::vector<Goal>>(&result);
+      ASSERT_EQ(goals != nullptr, nearer < 0.0) << unsure;
+      if (goals == nullptr) {
+        EXPECT_EQ(std::get<Refusal>(result).reason, Reason::ground);
+      } else {
+        EXPECT_EQ(goals->front().unsure, unsure);  // as far from edges it is verified, too
+      }
+    }
+  }
+}
+
 TEST(GuideInTheRoom, TheTrunkWalksDownTheStepFromItsEdge) {
   const RobotModel& robot = test::robot("mighty");
   const Guide guide(robot, room());

@@ -274,6 +274,36 @@ TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
   }
 }
 
+TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAllow) {
+  Trip run(robot_);
+  double length = 0.0;
+  for (const Vec2& vertex : robot_.sole(Side::left).vertices())
+    length = std::max(length, 2.0 * vertex.x());
+  const double past_an_edge = 0.5 * (robot_.profile().region.foot_x.hi - length) - robot_.profile().margin.edge;
+  const Odometry& odometry = run.navigator().odometry();
+  std::optional<double> to_land_with;  // of the foot in the air
+  int flights = 0;
+  while (odometry.uncertainty() < past_an_edge) {
+    run.step(push(Part::trunk, 0));
+    const double unsure = run.navigator().problem({}).context.unsure;
+    const BySide<bool>& stands = run.navigator().sample().contact;
+    if (stands.left && stands.right) {
+      ASSERT_EQ(unsure, std::min(odometry.uncertainty(), 0.7 * past_an_edge));
+      to_land_with.reset();
+    } else {
+      if (!to_land_with) ++flights;
+      ASSERT_EQ(unsure, to_land_with.value_or(unsure)) << "it stays as it is until the foot has landed";
+      ASSERT_LE(unsure, odometry.uncertainty());
+      to_land_with = unsure;
+    }
+  }
+  EXPECT_GT(flights, 20);
+  Trip perfect(robot_, {}, "flat", StateSource::perfect);
+  for (int k = 0; k < 1000; ++k)
+    perfect.step(push(Part::trunk, 0));
+  EXPECT_EQ(perfect.navigator().problem({}).context.unsure, 0.0);
+}
+
 TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
   // The ankle tells that a sole is tilted; who stood on such a one alone fell, in the room, from a step's edge.
   Trip run(robot_, {.gait = Gait::stop}, "flat", StateSource::perfect);

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <random>
 
 #include "tests/verify/sample_motions.hpp"
@@ -292,17 +293,38 @@ TEST_P(VerifierTest, VertexForcesGiveWhatForcesAtTheVerticesGive) {
   }
 }
 
+/// Ground that ends there [m].
+World ledge(const std::string& name, double x, double size) {
+  const auto file = std::filesystem::path(test::temp_folder()) / ("baton_ledge_" + name + ".xml");
+  const double far = 10.0 * size;
+  std::ofstream(file) << std::setprecision(17) << "<mujoco model=\"ledge\"><worldbody><site name=\"start\"/>\n"
+                      << "<geom name=\"ground_here\" type=\"box\" pos=\"" << x - far << " 0 -1\" size=\"" << far << " "
+                      << far << " 1\"/></worldbody></mujoco>\n";
+  return World(file);
+}
+
+TEST_P(VerifierTest, TheLessSureThePlaceTheFartherFromEdgesALandingMustBe) {
+  Motion motion = step();
+  const Side swing = *motion.goal.swing;
+  double toe = -1e9;
+  for (const Vec2& vertex : sole_outline(robot_, swing, motion.end.sole[swing]).vertices())
+    toe = std::max(toe, vertex.x());
+  const World world = ledge(GetParam(), toe + 1.5 * margin_.edge, size_);
+  Verifier verifier(robot_, world);
+  for (const double unsure : {0.0, 0.4, 0.6, 1.0}) {
+    motion.goal.unsure = unsure * margin_.edge;
+    const auto verdict = verifier.verify(motion, Pose{});
+    ASSERT_EQ(std::holds_alternative<Certificate>(verdict), unsure < 0.5) << unsure;
+    if (unsure < 0.5) continue;
+    EXPECT_EQ(std::get<Refusal>(verdict).reason, Reason::ground);
+  }
+}
+
 TEST_P(VerifierTest, RefusesALandingWithoutGround) {
   const Motion motion = step();
   // The ground ends under the landing sole, and goes on so that nothing else is wrong.
-  const Pose landing = motion.end.sole[*motion.goal.swing];
-  const auto file = std::filesystem::path(test::temp_folder()) / ("baton_ledge_" + GetParam() + ".xml");
-  const double far = 10.0 * size_;
-  std::ofstream(file) << "<mujoco model=\"ledge\"><worldbody><site name=\"start\"/>\n"
-                      << "<geom name=\"ground_here\" type=\"box\" pos=\"" << landing.p.x() - far << " 0 -1\" size=\""
-                      << far << " " << far << " 1\"/></worldbody></mujoco>\n";
-  const World ledge(file);
-  Verifier verifier(robot_, ledge);
+  const World world = ledge(GetParam(), motion.end.sole[*motion.goal.swing].p.x(), size_);
+  Verifier verifier(robot_, world);
   const Refusal refusal = refusal_of(motion, verifier);
   EXPECT_EQ(refusal.reason, Reason::ground) << to_string(refusal.reason);
   EXPECT_EQ(refusal.part, foot(*motion.goal.swing));
