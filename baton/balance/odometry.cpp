@@ -19,6 +19,14 @@ constexpr double kMap = 1.0;        ///< rate at which heights follow those of t
 constexpr double kDrift = 1e-3;     ///< error of the place, of the way gone
 constexpr double kOnTheMap = 0.05;  ///< farther from the known ground a sole stands on something else [COM height]
 
+// A sole that stands on an edge of the ground. Lengths are shares of the COM height.
+constexpr double kTilted = 0.08;   ///< against the ground; a floor may be tilted by less [rad]
+constexpr double kOverlap = 0.01;  ///< so much of it is on the edge
+constexpr double kRaised = 0.02;   ///< least height of a step that counts
+constexpr double kAsHigh = 0.015;  ///< a corner stands on what differs by less in height
+constexpr double kFeels = 0.05;    ///< the edge is no farther from where it should be
+constexpr double kMoves = 0.04;    ///< how fast the place is corrected [1/s]
+
 }  // namespace
 
 Odometry::Odometry(const RobotModel& robot, const World& world, StateSource source, const Posture& start)
@@ -38,8 +46,10 @@ Odometry::Odometry(const RobotModel& robot, const World& world, StateSource sour
     throw InputError(fmt::format("robot {}: --state {} needs an IMU on the body with the free joint: parts.imu",
                                  robot.profile().name, to_string(source)));
   }
-  for (const Side side : kSides)
+  for (const Side side : kSides) {
     footfall_[side] = foothold_[side] = start.sole[side].p;
+    corners_[side] = robot.sole(side).inset(kOverlap * robot.profile().stance.com_height).vertices();
+  }
   completed_.q = completed_.dq = completed_.torque = speed_error_;
 }
 
@@ -169,20 +179,48 @@ void Odometry::note_touch() {
 void Odometry::follow_map(const MotionSample& planned) {
   double off = 0.0;
   double stand = 0.0;
+  Vec2 moved = Vec2::Zero();
   for (const Side side : kSides) {
     if (!planned.contact[side] || !touch_[side]) continue;
     const std::optional<GroundPoint> ground = world_->ground(foothold_[side].head<2>());
     if (!ground) continue;
+    if (const std::optional<Vec2> way = felt_edge(side, *ground)) {  // its height says nothing
+      const double most = period_ * kMoves * robot_->profile().stance.com_height;
+      moved += way->norm() > most ? Vec2(*way * (most / way->norm())) : *way;
+      continue;
+    }
     const double gap = ground->height - foothold_[side].z();
     if (std::abs(gap) > kOnTheMap * robot_->profile().stance.com_height) continue;
     off += load_[side] * gap;
     stand += load_[side];
   }
-  if (stand <= 0.0) return;
-  const double rise = period_ * kMap * off / stand;
-  place_.z() += rise;
+  const Vec3 shift(moved.x(), moved.y(), stand > 0.0 ? period_ * kMap * off / stand : 0.0);
+  place_ += shift;
   for (const Side side : kSides)
-    foothold_[side].z() += rise;
+    foothold_[side] += shift;
+}
+
+std::optional<Vec2> Odometry::felt_edge(Side side, const GroundPoint& below) const {
+  const double size = robot_->profile().stance.com_height;
+  const Mat3 R = kinematics_.sole(side).R;
+  if (R.col(2).dot(below.normal) > std::cos(kTilted)) return std::nullopt;
+  std::optional<Vec2> way;
+  double lowest = below.height;
+  double highest = below.height;
+  for (const Vec2& vertex : corners_[side]) {
+    const Vec3 corner = foothold_[side] + R * Vec3(vertex.x(), vertex.y(), 0.0);
+    const Vec2 at = corner.head<2>();
+    const std::optional<GroundPoint> ground = world_->ground(at);
+    if (!ground) continue;
+    lowest = std::min(lowest, ground->height);
+    highest = std::max(highest, ground->height);
+    if (corner.z() - ground->height < kRaised * size) continue;
+    const std::optional<Vec2> edge = world_->nearest_of_height(at, corner.z(), kAsHigh * size);
+    if (!edge || (*edge - at).norm() > kFeels * size) continue;
+    if (!way || (*edge - at).norm() < way->norm()) way = *edge - at;
+  }
+  if (way) return way;
+  return highest - lowest > kRaised * size ? std::optional<Vec2>(Vec2::Zero()) : std::nullopt;
 }
 
 }  // namespace baton

@@ -44,6 +44,9 @@ class Odometry {
   void smooth_speeds(const Measurement& measurement, const MotionSample& planned);
   void note_touch();
   void follow_map(const MotionSample& planned);
+  /// Of a sole that stands tilted on an edge of the ground: the way to where that is by the map [m], zero if it is
+  /// there. Nothing of a sole that stands otherwise.
+  [[nodiscard]] std::optional<Vec2> felt_edge(Side side, const GroundPoint& below) const;
 
   const RobotModel* robot_;
   const World* world_;
@@ -51,6 +54,7 @@ class Odometry {
   double period_;
   Kinematics kinematics_;
   JacobianRows jacobian_;
+  BySide<std::vector<Vec2>> corners_;  ///< of the soles, a little inside [m]
   Measurement completed_;
   VecX q_;            ///< configuration with the root at the origin
   VecX dq_;           ///< its velocity, the root turning only

@@ -121,6 +121,19 @@ std::optional<GroundPoint> World::ground(const Vec2& at) const {
   return highest;
 }
 
+std::optional<Vec2> World::nearest_of_height(const Vec2& at, double height, double tolerance) const {
+  std::optional<Vec2> nearest;
+  for (const GroundFace& face : faces_) {
+    const Vec2 place = face.outline.nearest(at);
+    const double there = face.height(place);
+    if (std::abs(there - height) > tolerance) continue;
+    const std::optional<GroundPoint> highest = ground(place);
+    if (highest && highest->height > there + tolerance) continue;  // covered
+    if (!nearest || (place - at).squaredNorm() < (*nearest - at).squaredNorm()) nearest = place;
+  }
+  return nearest;
+}
+
 double World::highest_under(const ConvexPolygon& outline) const {
   double highest = -std::numeric_limits<double>::infinity();
   for (const GroundFace& face : faces_) {

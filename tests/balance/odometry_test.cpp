@@ -8,6 +8,7 @@
 
 #include "app/session.hpp"
 #include "baton/balance/state.hpp"
+#include "baton/ik/inverse_kinematics.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
 #include "baton/robot/ideal_robot.hpp"
@@ -306,6 +307,57 @@ TEST_P(OdometryTest, HeightsAreSlowlyPulledToTheGround) {
     for (int tick = 0; tick < second; ++tick)
       error = feed(odometry, still, held).root->pose.p - home_.q.head<3>();
     EXPECT_NEAR(error.z(), higher, 1e-6 * size_);
+  }
+}
+
+TEST(OdometryByEdges, ASoleThatStandsOnAnEdgeTellsWhereTheRobotIs) {
+  const RobotModel& robot = test::robot("mighty");
+  const World room = World::load("room");  // the stage ends at 0.12, 15 mm higher than the tread
+  const double half = robot.sole(Side::left).vertices().front().cwiseAbs().x();
+  const double on_the_edge = 0.0035;
+  const double along = 2.0 * half - on_the_edge;
+  const double tilt = std::asin(0.015 / along);
+  const Vec3 toe(0.12 + along * std::cos(tilt), 0.042, 0.015);
+  const Vec3 middle(toe.x() - half, 0.0, 0.015);
+  const Posture flat = stand(robot, {middle, Mat3::Identity()}, 0.26);
+  IkTargets targets;
+  targets.com = flat.com + Vec3(0, 0, 0.004);
+  targets.sole = flat.sole;
+  targets.sole.left.R = rotation_exp(Vec3(0, tilt, 0));
+  targets.sole.left.p = toe - targets.sole.left.R * Vec3(half, 0, 0);
+  targets.arms = flat.q.tail(robot.nv() - 6);
+  InverseKinematics ik(robot);
+  VecX q = flat.q;
+  for (int k = 0; k < 20; ++k)
+    ik.solve(targets, q, std::numeric_limits<double>::infinity(), q, 10);
+  const Posture start = posture_of(robot, q);
+  ASSERT_LT((start.sole.left.p - targets.sole.left.p).norm(), 1e-5);
+  const double period = robot.profile().tick.period;
+  const Measurement still = [&] {
+    Measurement measured = IdealRobot(robot, start, period).read();
+    for (const Side side : kSides)
+      measured.sole[side] = {Vec3(0, 0, 0.5 * robot.mass() * kGravity), Vec3::Zero()};
+    measured.root.reset();
+    return measured;
+  }();
+  for (const double farther : {0.0, 0.002, 0.004, 0.006, 0.008}) {
+    Posture believed = start;
+    believed.q[0] += farther;
+    for (const Side side : kSides)
+      believed.sole[side].p.x() += farther;
+    Odometry odometry(robot, room, StateSource::sensors, believed);
+    const MotionSample held = resting(robot, believed);
+    Vec3 error = Vec3::Zero();
+    double last = farther;
+    for (int tick = 0; tick < 400; ++tick) {
+      error = odometry.update(still, held).root->pose.p - start.q.head<3>();
+      ASSERT_LE(error.x(), last + 1e-9);
+      ASSERT_GT(error.x(), last - 1e-4) << "a drift, not a jump";
+      last = error.x();
+    }
+    EXPECT_LT(std::abs(error.x()), 1.2e-3) << farther;
+    EXPECT_NEAR(error.y(), 0.0, 1e-6);
+    EXPECT_NEAR(error.z(), 0.0, 2e-4) << "the other sole tells the height";
   }
 }
 
