@@ -92,27 +92,13 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       double& z = offset_[side].p.z();
       z = std::max(z - share_of(rates_.late) * height_, -kMostHeight * height_);
     } else if (!now.contact[side]) {
-      return_to_plan(side, now, next);
+      // In the air: back to the plan, inclined as the other one stands.
+      Offset& offset = offset_[side];
+      offset.p *= 1.0 - share_of(kAirRate);
+      const Vec3& stands = offset_[other(side)].turn;
+      offset.turn += share_of(kAirRate) * (Vec3(stands.x(), stands.y(), 0.0) - offset.turn);
     }
   }
-}
-
-void Footing::return_to_plan(Side side, const MotionSample& now, const MotionSample& next) {
-  Offset& offset = offset_[side];
-  const Vec3& stands = offset_[other(side)].turn;  // inclined as the other one stands
-  const Vec3 shift = -offset.p;
-  const Vec3 turn = Vec3(stands.x(), stands.y(), 0.0) - offset.turn;
-  double share = share_of(kAirRate);
-  // While it rises no corner goes down: one that stood on an edge would press on that.
-  const double rise = next.sole[side].p.z() - now.sole[side].p.z();
-  double down = 0.0;
-  for (const Vec2& vertex : robot_->sole(side).vertices()) {
-    const Vec3 arm = now.sole[side].R * Vec3(vertex.x(), vertex.y(), 0.0);
-    down = std::max(down, -(shift + turn.cross(arm)).z());
-  }
-  if (rise > 0.0 && share * down > rise) share = rise / down;
-  offset.p += share * shift;
-  offset.turn += share * turn;
 }
 
 void Footing::relax(const State& state, const BySide<Wrench>& wanted) {

@@ -51,9 +51,6 @@ class Footing {
   [[nodiscard]] double share_of(double rate) const { return std::min(1.0, period_ * rate); }
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
 
-  /// Takes a sole that is in the air back to where it was planned.
-  void return_to_plan(Side side, const MotionSample& now, const MotionSample& next);
-
   /// Lets the soles go apart, or together, until the legs no longer press against each other.
   void relax(const State& state, const BySide<Wrench>& wanted);
 

@@ -485,42 +485,6 @@ TEST_P(FootingTest, AFootInTheAirGoesBackAsTheOtherStands) {
   }
 }
 
-TEST_P(FootingTest, NoCornerOfAFootOnItsWayUpGoesDown) {
-  // A heel on a step's edge was pressed onto it as the sole was lifted, and turned back: the robot fell.
-  for (int trial = 0; trial < 50; ++trial) {
-    const Side up = random_.coin() ? Side::left : Side::right;
-    const Footing::Offset away = some_offset();
-    State state = as_planned(held_, halves_);
-    state.sole[up] = displaced(held_.sole[up], away);
-    Footing footing(robot_);
-    for (int tick = 0; tick < 2 * second_; ++tick)
-      footing.follow(held_, held_, state, halves_);
-    MotionSample now = held_;
-    now.contact[up] = false;
-    BySide<Wrench> wanted;
-    wanted[other(up)] = load(1.0);
-    state.force = wanted;
-    const auto corners = [&](const MotionSample& sample) {
-      std::vector<double> heights;
-      const Pose sole = displaced(sample.sole[up], footing.offset()[up]);
-      for (const Vec2& vertex : robot_.sole(up).vertices())
-        heights.push_back((sole * Vec3(vertex.x(), vertex.y(), 0)).z());
-      return heights;
-    };
-    std::vector<double> before = corners(now);
-    for (int tick = 0; tick < 30; ++tick) {
-      MotionSample next = now;
-      next.sole[up].p.z() += random_(0.0, 3e-3) * size_;
-      footing.follow(now, next, state, wanted);
-      const std::vector<double> after = corners(next);
-      for (std::size_t v = 0; v < after.size(); ++v)
-        ASSERT_GT(after[v], before[v] - 2e-5 * size_) << trial << " at " << tick;
-      now = next;
-      before = after;
-    }
-  }
-}
-
 TEST_P(FootingTest, AFootOnItsWayUpDoesNotClingToWhatItLeaves) {
   for (int trial = 0; trial < 50; ++trial) {
     const Side up = random_.coin() ? Side::left : Side::right;
@@ -529,7 +493,7 @@ TEST_P(FootingTest, AFootOnItsWayUpDoesNotClingToWhatItLeaves) {
     state.sole[up] = displaced(held_.sole[up], away);
     MotionSample lifted = held_;
     lifted.contact[up] = false;
-    for (const double rise : {0.0, random_(3e-4, 1e-3) * size_}) {  // it is held up there, or rises
+    for (const double rise : {0.0, random_(1e-5, 1e-3) * size_}) {  // it is held up there, or rises
       Footing footing(robot_);
       for (int tick = 0; tick < second_; ++tick)
         footing.follow(held_, held_, state, halves_);
