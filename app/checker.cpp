@@ -201,7 +201,9 @@ void Checker::judge_contacts(const Tick& tick) {
       const int foot = m.geom_bodyid[is(of_foot_, true) ? a : b];
       const Side side = foot == foot_.left ? Side::left : Side::right;
       const double limit = -tolerance_.sink - place_tolerance_;
-      if (contact.dist < limit) {
+      // One that stands was judged where it was put down, and may not slip; where that is, is believed anew each tick.
+      const bool judged = tick.contact[side] && stood_[side];
+      if (!judged && contact.dist < limit) {
         report(tick.contact[side] ? Kind::sole_ground : Kind::swing_ground, tick.t, contact.dist, limit, geoms(a, b));
       }
       continue;

@@ -46,6 +46,9 @@ constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: t
 constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
 constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
 constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
+constexpr double kUneven = 0.015;  ///< inclination to the plan from which the ground is not what the map says [rad]
+constexpr double kForgets = 10.0;  ///< time constant with which that is forgotten [s]
+constexpr double kCareful = 2.0;   ///< there, times the margin of the planned ZMP
 constexpr double kUnsure = 0.7;  ///< share of the room on both sides of an edge, as a step goes past it, to stay off it
 constexpr double kBack = 0.01;   ///< error below which it is again
 
@@ -58,6 +61,13 @@ RobotModel hasty(const RobotModel& robot) {
   profile.margin.acceleration *= kHastyAcceleration;
   profile.swing.clearance *= kHastySwing;
   profile.swing.time *= kHastySwing;
+  return RobotModel(std::move(profile));
+}
+
+/// On ground that is not what the map says: a sole may stand on a part of it only.
+RobotModel careful(const RobotModel& robot) {
+  Profile profile = robot.profile();
+  profile.margin.zmp_plan = std::min(kCareful * profile.margin.zmp_plan, profile.margin.stand_on);
   return RobotModel(std::move(profile));
 }
 
@@ -116,6 +126,8 @@ Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
       modes_(modes),
       guide_(robot, world),
       planner_(robot, world, modes.duration),
+      careful_(careful(robot)),
+      careful_planner_(careful_, world, modes.duration),
       hasty_(hasty(robot)),
       hasty_planner_(hasty_, world) {}
 
@@ -123,6 +135,7 @@ PlanningResult Planning::plan(const Problem& problem) {
   PlanningResult result{problem.take_over, problem.command, problem.context,
                         outcome(problem),  problem.trail,   problem.catches};
   const auto* motion = std::get_if<Motion>(&result.outcome);
+  if (motion == nullptr && problem.otherwise) return plan(*problem.otherwise);
   if (motion == nullptr || motion->retraces) return result;
   if (problem.replaced_at < 0) {
     result.trail = std::make_shared<const Trail>(trail_of(problem.start, *motion));
@@ -137,22 +150,30 @@ PlanningResult Planning::plan(const Problem& problem) {
 Planning::Outcome Planning::outcome(const Problem& problem) {
   if (problem.halt) return halt(problem);
   if (problem.catches) return catch_step(problem);
-  if (problem.command.recall == Recall::stop) return stop(problem);
   if (problem.command.recall == Recall::retrace) return go_back(problem);
-  Outcome whole = resolve(problem, problem.command);
+  if (problem.uneven) {
+    Outcome outcome = led(careful_planner_, problem);
+    if (!std::holds_alternative<Refusal>(outcome)) return outcome;
+  }
+  return led(planner_, problem);
+}
+
+Planning::Outcome Planning::led(Planner& planner, const Problem& problem) {
+  if (problem.command.recall == Recall::stop) return stop(planner, problem);
+  Outcome whole = resolve(planner, problem, problem.command);
   if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<Motion> part = shrunk(problem);
+  std::optional<Motion> part = shrunk(planner, problem);
   if (!part) return whole;
   part->limit = std::get<Refusal>(std::move(whole));
   return *std::move(part);
 }
 
-Planning::Outcome Planning::resolve(const Problem& problem, const Command& command) {
+Planning::Outcome Planning::resolve(Planner& planner, const Problem& problem, const Command& command) {
   GuideResult guided = guide_.goals(problem.context, command);
   if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
-  PlanResult planned = first_of(*goals, problem);
+  PlanResult planned = first_of(planner, *goals, problem);
   if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
   return std::get<Refusal>(std::move(planned));
 }
@@ -167,10 +188,10 @@ Planning::Outcome Planning::go_back(const Problem& problem) {
   return std::get<Refusal>(std::move(planned));
 }
 
-Planning::Outcome Planning::stop(const Problem& problem) {
+Planning::Outcome Planning::stop(Planner& planner, const Problem& problem) {
   GuideResult ways = guide_.stops(problem.context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
-  return quickest(planner_, std::get<std::vector<Goal>>(ways), problem);
+  return quickest(planner, std::get<std::vector<Goal>>(ways), problem);
 }
 
 Planning::Outcome Planning::catch_step(const Problem& problem) {
@@ -242,7 +263,7 @@ Planning::Outcome Planning::halt(const Problem& problem) {
   return std::move(motion);
 }
 
-std::optional<Motion> Planning::shrunk(const Problem& problem) {
+std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem) {
   const Posture& from = problem.context.from;
   const Command& command = problem.command;
   const bool both_stand = from.contact.left && from.contact.right;
@@ -251,7 +272,7 @@ std::optional<Motion> Planning::shrunk(const Problem& problem) {
     return std::nullopt;
   std::optional<Motion> best;
   const auto tried = [&](const Command& candidate) {
-    Outcome outcome = resolve(problem, candidate);
+    Outcome outcome = resolve(planner, problem, candidate);
     auto* motion = std::get_if<Motion>(&outcome);
     const bool better = motion != nullptr && worth(from, *motion);
     if (better) best = std::move(*motion);
@@ -297,10 +318,10 @@ bool Planning::worth(const Posture& from, const Motion& motion) const {
   return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
 }
 
-PlanResult Planning::first_of(const std::vector<Goal>& goals, const Problem& problem) {
+PlanResult Planning::first_of(Planner& planner, const std::vector<Goal>& goals, const Problem& problem) {
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
-    PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor);
+    PlanResult planned = planner.plan(problem.start, goal, problem.context.anchor);
     if (auto* motion = std::get_if<Motion>(&planned)) {
       std::optional<Refusal> against_it = no_stance(*motion, problem);
       if (!against_it) against_it = no_landing(*motion, problem.context);
@@ -369,6 +390,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held_;
   state_ = &estimator_.update(odometry_.update(measurement, *sample_), anchor_);
   watch();
+  feel_ground();
   if (guard_ == Guard::fallen || guard_ == Guard::stood_up) {
     soft_.q = measurement.q;
     return soft_;
@@ -385,6 +407,15 @@ Pose Navigator::slid() const {
   const double most = kSameHeight * robot_->profile().stance.com_height;
   slid.p.z() -= std::clamp(slid.p.z(), -most, most);
   return slid;
+}
+
+void Navigator::feel_ground() {
+  inclined_ *= 1.0 - robot_->profile().tick.period / kForgets;
+  const double carries = kEachCarries * robot_->mass() * kGravity;
+  for (const Side side : kSides) {
+    if (!sample_->contact[side] || odometry_.load()[side] < carries) continue;
+    inclined_ = std::max(inclined_, tilt_of(sample_->sole[side].R.transpose() * state_->sole[side].R));
+  }
 }
 
 std::optional<Problem::Tilted> Navigator::tilted() const {
@@ -429,13 +460,13 @@ std::optional<Problem> Navigator::request() {
   const bool ends_back = on_the_way && motion_->retraces && (command_.neutral() || disturbed_ || slid_too_far());
   const bool stops = command_.recall == Recall::stop || ends_back;
   std::optional<Problem> due;
-  const bool in_vain = offered_ && offered_->catches && !std::holds_alternative<Motion>(offered_->outcome);
   const std::optional<Problem::Tilted> tilted = this->tilted();
   const bool leaves_tilted = tilted && motion_ && motion_->goal.swing == other(tilted->side);
   const bool may_stay = (disturbed_ || leaves_tilted) && on_the_way && !stops;
-  if (may_stay && in_vain) due = problem_of_staying(index_ + lookahead);
-  if (disturbed_ && !due) due = problem_of_catching(error.head<2>());
-  if (may_stay && !due) due = problem_of_staying(index_ + lookahead);
+  if (disturbed_) due = problem_of_catching(error.head<2>());
+  std::optional<Problem> stays;
+  if (may_stay) stays = problem_of_staying(index_ + lookahead);
+  if (!due) due.swap(stays);
   if (due || (disturbed_ && !stops)) {
     // A step that catches it, a foot that stays down, or nothing.
   } else if (stops) {
@@ -447,17 +478,24 @@ std::optional<Problem> Navigator::request() {
   }
   if (!due) return std::nullopt;
   due->tilted = tilted;
+  const bool uneven = inclined_ > kUneven;
+  due->uneven = uneven;
+  if (stays) stays->uneven = uneven;
   const double slip = apart(due->context.anchor, anchor_, sample_->com);
   if (slip > most_slip) {
     ++slips_;
     last_slip_ = slip;
     history_.clear();  // what led here does not lead back
     retraced_.reset();
-    due->trail.reset();
-    due->context.way = due->context.anchor;
-    due->context.back = {};
+    for (std::optional<Problem>* problem : {&due, &stays}) {
+      if (!*problem) continue;
+      (*problem)->trail.reset();
+      (*problem)->context.way = (*problem)->context.anchor;
+      (*problem)->context.back = {};
+    }
     if (due->halt) return std::nullopt;
   }
+  if (stays) due->otherwise = std::make_shared<const Problem>(*std::move(stays));
   // What was refused would be refused again, from the same place.
   const bool same_place = apart(due->context.anchor, refused_at_, sample_->com) < 1e-3;
   const bool again = !motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_);
@@ -856,6 +894,7 @@ void Navigator::begin_anew() {
   retraced_.reset();
   halts_ = false;
   disturbed_ = false;
+  inclined_ = 0.0;
   drop_refusal();
   guard_ = Guard::armed;
 }

@@ -53,6 +53,8 @@ struct Problem {
     double by = 0.0;  ///< [rad]
   };
   std::optional<Tilted> tilted{};
+  bool uneven = false;  ///< soles stood inclined of late: the planned ZMP keeps farther inside, where it can
+  std::shared_ptr<const Problem> otherwise{};  ///< the task instead, where no step catches the robot
 };
 
 /// The answer: nothing was asked for, a verified motion, or why there is none.
@@ -76,10 +78,12 @@ class Planning {
   using Outcome = std::variant<std::monostate, Motion, Refusal>;
 
   [[nodiscard]] Outcome outcome(const Problem& problem);
-  [[nodiscard]] Outcome resolve(const Problem& problem, const Command& command);
+  /// What the command asks for, or a part of it.
+  [[nodiscard]] Outcome led(Planner& planner, const Problem& problem);
+  [[nodiscard]] Outcome resolve(Planner& planner, const Problem& problem, const Command& command);
   [[nodiscard]] Outcome go_back(const Problem& problem);
   /// The quickest of the ways to rest.
-  [[nodiscard]] Outcome stop(const Problem& problem);
+  [[nodiscard]] Outcome stop(Planner& planner, const Problem& problem);
   /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
   [[nodiscard]] Outcome catch_step(const Problem& problem);
   /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
@@ -87,11 +91,11 @@ class Planning {
   /// To rest at a rest on the trail.
   [[nodiscard]] Outcome halt(const Problem& problem);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
-  [[nodiscard]] std::optional<Motion> shrunk(const Problem& problem);
+  [[nodiscard]] std::optional<Motion> shrunk(Planner& planner, const Problem& problem);
   /// Whether the guided part comes anywhere by it.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
-  [[nodiscard]] PlanResult first_of(const std::vector<Goal>& goals, const Problem& problem);
+  [[nodiscard]] PlanResult first_of(Planner& planner, const std::vector<Goal>& goals, const Problem& problem);
   /// What speaks against lifting a foot, while the other stands on an edge.
   [[nodiscard]] static std::optional<Refusal> no_stance(const Motion& motion, const Problem& problem);
   /// What speaks against putting down, from there, a foot that `motion` leaves in the air; none: it can be put down.
@@ -101,6 +105,8 @@ class Planning {
   Modes modes_;
   Guide guide_;
   Planner planner_;
+  RobotModel careful_;  ///< the robot on ground that is not what the map says
+  Planner careful_planner_;
   RobotModel hasty_;  ///< the robot with margins for when all that matters is not to fall
   Planner hasty_planner_;
 };
@@ -194,6 +200,8 @@ class Navigator {
   [[nodiscard]] Pose slid() const;
   /// The sole that stands on an edge, or on what the map does not know, while both feet are to stand.
   [[nodiscard]] std::optional<Problem::Tilted> tilted() const;
+  /// How far soles stand inclined from where they were to.
+  void feel_ground();
   /// At rest and on the way back: lays the planning frame on where the soles are, little by little.
   void settle();
   /// Begins anew from where the robot stands, after a fall.
@@ -257,6 +265,7 @@ class Navigator {
   JointTarget soft_;  ///< after a fall: nothing is asked of the motors
   Guard guard_ = Guard::armed;
   int guard_ticks_ = 0;          ///< for which what would change it has been so
+  double inclined_ = 0.0;        ///< of a sole to the plan, the most of late [rad]
   bool disturbed_ = false;       ///< the DCM is too far from where it should be for anything new
   std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
   long caught_ = 0;              ///< motions of that kind so far

@@ -288,6 +288,18 @@ TEST_P(CheckerTest, FindsASoleThatStandsOnNothing) {
   EXPECT_TRUE(judged().contains("sole_ground")) << "beyond the stage's edge";
 }
 
+TEST_P(CheckerTest, WhatIsBelievedLaterOfWhereASoleWasPutDownIsNotItsFault) {
+  // In physics the frame is where the robot believes that it stands.
+  const auto judged_lower_from = [&](std::size_t k) {
+    Ticks ticks = ticks_;
+    for (std::size_t i = k; i < k + 3; ++i)
+      ticks[i].frame.p.z() = -0.01 * robot_.profile().stance.com_height / 0.26;
+    return judge(robot_, text_, ticks);
+  };
+  EXPECT_THAT(judged_lower_from(find(both)), testing::IsEmpty());
+  EXPECT_THAT(judged_lower_from(0), testing::Contains("sole_ground")) << "put down there";
+}
+
 TEST(Checker, SharesNoCodeWithWhatItJudges) {
   for (const char* file : {"/app/checker.hpp", "/app/checker.cpp"}) {
     std::ifstream in(std::string(BATON_SOURCE_DIR) + file);

@@ -334,6 +334,82 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
   }
 }
 
+TEST_P(NavigatorTest, WhereASoleStoodInclinedTheGroundCountsAsUnevenForAWhile) {
+  Trip run(robot_, {}, "flat", StateSource::perfect);
+  const auto uneven_after = [&](double angle, double seconds) {
+    Navigator navigator(robot_, run.world(), run.home(), Gait::flow, StateSource::perfect);
+    Measurement inclined = run.body().read();
+    inclined.q[robot_.leg(Side::left).back()] += angle;
+    navigator.tick(inclined, {});
+    for (double t = 0.0; t < seconds; t += robot_.profile().tick.period)
+      navigator.tick(run.body().read(), {});
+    navigator.tick(run.body().read(), push(Part::trunk, 0));
+    const std::optional<Problem> problem = navigator.request();
+    EXPECT_TRUE(problem.has_value());
+    return problem && problem->uneven;
+  };
+  run.step({});
+  EXPECT_FALSE(uneven_after(0.01, 0.0));
+  EXPECT_TRUE(uneven_after(0.02, 0.0));
+  EXPECT_TRUE(uneven_after(0.02, 2.0));
+  EXPECT_FALSE(uneven_after(0.02, 4.0));
+  EXPECT_TRUE(uneven_after(0.04, 4.0));
+}
+
+TEST_P(NavigatorTest, OnUnevenGroundTheZmpKeepsFartherInsideWhereItCan) {
+  // Whole motions, seen from the least room that their ZMP leaves on the way.
+  Trip run(robot_, {.gait = Gait::stop});
+  std::mt19937_64 random(29);
+  const auto room = [](const Motion& motion) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const MotionSample& sample : motion.samples)
+      least = std::min(least, sample.zmp_region->margin(sample.zmp));
+    return least;
+  };
+  const Profile::Margin& margin = robot_.profile().margin;
+  const double wanted = std::min(2.0 * margin.zmp_plan, margin.stand_on) - margin.zmp_feedback;
+  int tight = 0;
+  double as_ever = 0.0;
+  double careful = 0.0;
+  while (tight < 30) {
+    const Command command = anything(random);
+    for (int k = 0; k < 40; ++k)
+      run.step(command);
+    for (int k = 0; k < 4000 && run.navigator().motion() != nullptr; ++k)
+      run.step({});
+    Problem problem = run.navigator().problem(anything(random));
+    const PlanningResult on_even = run.planning().plan(problem);
+    problem.uneven = true;
+    const PlanningResult on_uneven = run.planning().plan(problem);
+    const auto* even = std::get_if<Motion>(&on_even.outcome);
+    const auto* uneven = std::get_if<Motion>(&on_uneven.outcome);
+    ASSERT_EQ(even == nullptr, uneven == nullptr) << "nothing is refused for it";
+    if (even == nullptr || room(*even) > 0.8 * wanted) continue;
+    ++tight;
+    as_ever += room(*even) / 30;
+    careful += room(*uneven) / 30;
+  }
+  EXPECT_LT(as_ever, 0.6 * wanted);
+  EXPECT_GT(careful, 0.95 * wanted);
+}
+
+TEST_P(NavigatorTest, WhereNoStepCatchesItWhatWasToBeDoneOtherwiseIsDone) {
+  Trip run(robot_);
+  run.step({});
+  Problem problem = run.navigator().problem({});
+  // From both feet, straight aside: the one that carries cannot step.
+  problem.catches = Vec2(0.0, 0.2 * robot_.profile().stance.com_height);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(run.planning().plan(problem).outcome));
+  problem.otherwise = std::make_shared<const Problem>(run.navigator().problem(push(Part::trunk, 0)));
+  const PlanningResult result = run.planning().plan(problem);
+  ASSERT_TRUE(std::holds_alternative<Motion>(result.outcome));
+  EXPECT_EQ(result.command, problem.otherwise->command);
+  EXPECT_FALSE(result.catches.has_value());
+  // Where one does, it is the answer.
+  problem.catches = Vec2(0.2 * robot_.profile().stance.com_height, 0.0);
+  EXPECT_TRUE(run.planning().plan(problem).catches.has_value());
+}
+
 TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
   std::mt19937_64 random(22);
   for (int trial = 0; trial < 8; ++trial) {
