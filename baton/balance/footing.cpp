@@ -25,13 +25,6 @@ constexpr int kSteps = 4;          ///< of them, at most
 constexpr double kFarthest = 0.3;  ///< that a joint goes in one: a straight leg's would be anything [rad]
 constexpr double kThere = 1e-6;    ///< error that needs no further one [m, rad]
 
-/// v, no longer than `most`.
-template <typename Vector>
-Vector bounded(const Vector& v, double most) {
-  const double size = v.norm();
-  return size > most ? Vector(v * (most / size)) : v;
-}
-
 /// What of v is beyond a dead band.
 template <typename Vector>
 Vector beyond(const Vector& v, double band) {

@@ -185,8 +185,7 @@ void Odometry::follow_map(const MotionSample& planned) {
     const std::optional<GroundPoint> ground = world_->ground(foothold_[side].head<2>());
     if (!ground) continue;
     if (const std::optional<Vec2> way = felt_edge(side, *ground)) {  // its height says nothing
-      const double most = period_ * kMoves * robot_->profile().stance.com_height;
-      moved += way->norm() > most ? Vec2(*way * (most / way->norm())) : *way;
+      moved += bounded(*way, period_ * kMoves * robot_->profile().stance.com_height);
       continue;
     }
     const double gap = ground->height - foothold_[side].z();

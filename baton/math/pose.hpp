@@ -25,6 +25,13 @@ struct Pose {
   [[nodiscard]] Pose inverse() const { return {-(R.transpose() * p), R.transpose()}; }
 };
 
+/// v, no longer than `most`.
+template <typename Vector>
+[[nodiscard]] Vector bounded(const Vector& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vector(v * (most / size)) : v;
+}
+
 /// exp: rotation vector [rad] → rotation matrix.
 [[nodiscard]] Mat3 rotation_exp(const Vec3& theta);
 

@@ -60,7 +60,8 @@ class World {
   /// The highest ground at a place; nothing where there is none.
   [[nodiscard]] std::optional<GroundPoint> ground(const Vec2& at) const;
 
-  /// Of the places where the ground is that high, within `tolerance` [m], the nearest; nothing where none is.
+  /// Of each face's nearest place, where that is the ground and so high, within `tolerance` [m], the nearest; nothing
+  /// where none is.
   [[nodiscard]] std::optional<Vec2> nearest_of_height(const Vec2& at, double height, double tolerance) const;
 
   /// Highest ground anywhere under an outline [m]; −∞ where there is none.

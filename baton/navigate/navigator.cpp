@@ -71,6 +71,15 @@ RobotModel careful(const RobotModel& robot) {
   return RobotModel(std::move(profile));
 }
 
+/// How much room the longest step past an edge leaves on each side of it, beside the margin to edges [m].
+double past_edges(const RobotModel& robot) {
+  const Profile& profile = robot.profile();
+  double toe = 0.0;
+  for (const Vec2& vertex : robot.sole(Side::left).vertices())
+    toe = std::max(toe, vertex.x());
+  return std::max(0.0, 0.5 * (profile.region.foot_x.hi - 2.0 * toe) - profile.margin.edge);
+}
+
 /// Sample at which the last phase begins.
 int last_phase_of(const Motion& motion) {
   return motion.ticks() - motion.phases.back().ticks;
@@ -83,7 +92,7 @@ struct LevelMove {
 
   LevelMove(const Pose& move, const Vec3& point) : shift((move * point - point).head<2>()), turn(yaw_of(move.R)) {}
   void bound(double most, double most_turn) {
-    if (shift.norm() > most) shift *= most / shift.norm();
+    shift = bounded(shift, most);
     turn = std::clamp(turn, -most_turn, most_turn);
   }
   [[nodiscard]] Pose pose(const Vec3& point) const {
@@ -369,6 +378,7 @@ Navigator::Navigator(const RobotModel& robot, const World& world, const Posture&
       odometry_(robot, world, source, start),
       estimator_(robot),
       stabiliser_(robot),
+      past_edges_(past_edges(robot)),
       posture_(start),
       held_(resting(robot, start)),
       sample_(&held_),
@@ -542,12 +552,7 @@ GuideContext Navigator::context_at_rest() const {
 }
 
 double Navigator::unsure() const {
-  const Profile& profile = robot_->profile();
-  double length = 0.0;
-  for (const Vec2& vertex : robot_->sole(Side::left).vertices())
-    length = std::max(length, 2.0 * vertex.x());
-  const double past_an_edge = std::max(0.0, 0.5 * (profile.region.foot_x.hi - length) - profile.margin.edge);
-  return std::min(odometry_.uncertainty(), kUnsure * past_an_edge);
+  return std::min(odometry_.uncertainty(), kUnsure * past_edges_);
 }
 
 Pose Navigator::way_back(const GuideContext& context, const Command& command) const {

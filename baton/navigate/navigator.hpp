@@ -251,6 +251,7 @@ class Navigator {
   Odometry odometry_;
   Estimator estimator_;
   Stabiliser stabiliser_;
+  double past_edges_;  ///< room that the longest step past an edge leaves on each side of it [m]
 
   long tick_ = -1;
   Command command_;

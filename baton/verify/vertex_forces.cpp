@@ -45,10 +45,10 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
       const Vec3 arm = (sole[side] * Vec3(vertex.x(), vertex.y(), 0) - com) / length;
       const Mat3& R = sole[side].R;
       w.G.block<3, 3>(0, 3 * i) = R;
-      for (int axis = 0; axis < 3; ++axis)
+      for (int axis = 0; axis < 3; ++axis) {
         w.G.block<3, 1>(3, 3 * i + axis) = arm.cross(R.col(axis));
-      for (int axis = 0; axis < 3; ++axis)
         gram.noalias() += w.G.col(3 * i + axis) * w.G.col(3 * i + axis).transpose();
+      }
       ++i;
     }
   }

@@ -242,6 +242,52 @@ TEST(World, KnowsTheHighestFaceAtEveryPlace) {
   EXPECT_GT(beside, 1000);
 }
 
+TEST(World, TheNearestGroundOfAHeightIsNearestOnAFaceAsHighThatNothingCoversThere) {
+  constexpr double kTolerance = 0.004;
+  Random random(11);
+  int found = 0;
+  int nowhere = 0;
+  int covered = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Ground ground = random_ground(random, Kind::level);
+    const World world = world_of(ground);
+    for (int probe = 0; probe < 60; ++probe) {
+      const Vec2 at = random.place(0.6);
+      const Block& block = ground.blocks[static_cast<std::size_t>(random(0, static_cast<double>(ground.blocks.size())))];
+      const double height = block.top(0, 0).z() + random(-0.002, 0.002);
+      double nearest = std::numeric_limits<double>::infinity();
+      bool sure = true;
+      for (const Block& face : ground.blocks) {
+        const double z = face.top(0, 0).z();
+        sure = sure && std::abs(std::abs(z - height) - kTolerance) > 1e-9;
+        if (std::abs(z - height) > kTolerance) continue;
+        Vec3 local = face.R.transpose() * (Vec3(at.x(), at.y(), z) - face.top(0, 0));
+        local = local.cwiseMax(-face.half).cwiseMin(face.half);
+        const Vec2 place = (face.top(0, 0) + face.R * Vec3(local.x(), local.y(), 0)).head<2>();
+        bool under = false;
+        for (const Block& other : ground.blocks) {
+          if (&other == &face || other.top(0, 0).z() <= z + kTolerance) continue;
+          const Vec3 there = other.R.transpose() * (Vec3(place.x(), place.y(), 0) - other.top(0, 0));
+          const double inside = std::min(other.half.x() - std::abs(there.x()), other.half.y() - std::abs(there.y()));
+          under = under || inside > 0.0;
+          sure = sure && std::abs(inside) > 1e-6;
+        }
+        covered += under ? 1 : 0;
+        if (!under) nearest = std::min(nearest, (place - at).norm());
+      }
+      if (!sure) continue;
+      const std::optional<Vec2> got = world.nearest_of_height(at, height, kTolerance);
+      ASSERT_EQ(got.has_value(), std::isfinite(nearest));
+      ++(got ? found : nowhere);
+      if (!got) continue;
+      ASSERT_NEAR((*got - at).norm(), nearest, 1e-9);
+    }
+  }
+  EXPECT_GT(found, 1000);
+  EXPECT_GT(nowhere, 50);
+  EXPECT_GT(covered, 300);
+}
+
 TEST(World, AgreesWithARayFromAbove) {
   Random random(4);
   int hits = 0;
