@@ -322,7 +322,7 @@ GuideResult Guide::stops(const GuideContext& context) const {
   return goals;
 }
 
-GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
+GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool aside) const {
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
   std::vector<Goal> goals;
@@ -340,7 +340,7 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by) const {
       add(context.step->side, to.p.head<2>() + share * by, yaw_of(to.R), SegmentKind::lower);
   } else if (from.contact.left && from.contact.right) {
     const Vec3 ahead = rotation_z(-from.heading()) * Vec3(by.x(), by.y(), 0);
-    if (std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
+    if (!aside && std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
     // It stands on the foot to whose side it is pushed; if it is to neither, the one that carries less leaves the
     // ground.
     const auto far = [&](Side side) { return (from.sole[side].p - from.com).head<2>().norm(); };

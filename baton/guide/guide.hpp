@@ -70,7 +70,8 @@ class Guide {
   /// Steps for a robot that is pushed off its way, from the posture `context.from`, which may move: the foot that is in
   /// the air, or about to leave the ground, or one of both, lands `by` farther [m], or half as far, as its region
   /// allows. Nothing where no step helps: sideways on both feet, as the one that would have to step carries the weight.
-  [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by) const;
+  /// @param aside the other one steps there all the same, as near to it as its region allows
+  [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by, bool aside = false) const;
 
  private:
   struct Placement;  // a foot somewhere, and what speaks against it

@@ -42,8 +42,9 @@ constexpr double kEachCarries = 0.2;   ///< each sole with so much of the weight
 constexpr double kFlat = 0.1;          ///< and no more inclined; nor may one be that carries the robot alone [rad]
 constexpr double kReserve = 0.05;      ///< of the ZMP's room, with which a step that catches the robot is made
 constexpr double kLacks = 0.02;        ///< of the commanded ZMP that is not there, and does not count [COM height]
-constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: the push may go on [COM height]
-constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
+constexpr double kFalls = 0.1;        ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
+constexpr double kLeastCatch = 0.15;  ///< how far such a step goes at least: the push may go on [COM height]
+constexpr double kFarther = 1.5;      ///< of that step's way: so much farther, and it is sent there
 constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
 constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
 constexpr double kUneven = 0.015;  ///< inclination to the plan from which the ground is not what the map says [rad]
@@ -204,7 +205,8 @@ Planning::Outcome Planning::stop(Planner& planner, const Problem& problem) {
 }
 
 Planning::Outcome Planning::catch_step(const Problem& problem) {
-  const GuideResult ways = guide_.catches(problem.context, *problem.catches);
+  const bool falls = problem.beyond > kFalls * robot_->profile().stance.com_height;
+  const GuideResult ways = guide_.catches(problem.context, *problem.catches, falls);
   const auto* goals = std::get_if<std::vector<Goal>>(&ways);
   if (goals == nullptr) return std::monostate{};
   // Until a foot lands, what no ZMP holds grows; there, the foot gains what it went farther.

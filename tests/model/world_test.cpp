@@ -253,7 +253,8 @@ TEST(World, TheNearestGroundOfAHeightIsNearestOnAFaceAsHighThatNothingCoversTher
     const World world = world_of(ground);
     for (int probe = 0; probe < 60; ++probe) {
       const Vec2 at = random.place(0.6);
-      const Block& block = ground.blocks[static_cast<std::size_t>(random(0, static_cast<double>(ground.blocks.size())))];
+      const Block& block =
+          ground.blocks[static_cast<std::size_t>(random(0, static_cast<double>(ground.blocks.size())))];
       const double height = block.top(0, 0).z() + random(-0.002, 0.002);
       double nearest = std::numeric_limits<double>::infinity();
       bool sure = true;

@@ -405,7 +405,13 @@ TEST_P(NavigatorTest, WhereNoStepCatchesItWhatWasToBeDoneOtherwiseIsDone) {
   ASSERT_TRUE(std::holds_alternative<Motion>(result.outcome));
   EXPECT_EQ(result.command, problem.otherwise->command);
   EXPECT_FALSE(result.catches.has_value());
+  // If it is to fall else, the other foot steps.
+  problem.beyond = 0.11 * robot_.profile().stance.com_height;
+  const PlanningResult aside = run.planning().plan(problem);
+  ASSERT_TRUE(aside.catches.has_value());
+  EXPECT_EQ(std::get<Motion>(aside.outcome).goal.swing, Side::right);
   // Where one does, it is the answer.
+  problem.beyond = 0.0;
   problem.catches = Vec2(0.2 * robot_.profile().stance.com_height, 0.0);
   EXPECT_TRUE(run.planning().plan(problem).catches.has_value());
 }
