@@ -19,11 +19,12 @@ constexpr double kMostPlace = 0.1;
 constexpr double kMostTurn = 0.2;  ///< [rad]
 constexpr double kInsists = 0.03;  ///< a moment that is too much for longer, in one sense, is yielded to faster [s]
 constexpr double kMostInsists = 4.0;
-constexpr double kAirRate = 10.0;  ///< at which the offset of a sole in the air goes back [1/s]
-constexpr double kDamping = 1e-6;  ///< of the legs' kinematics, beside half of the error squared
-constexpr int kSteps = 4;          ///< of them, at most
-constexpr double kFarthest = 0.3;  ///< that a joint goes in one: a straight leg's would be anything [rad]
-constexpr double kThere = 1e-6;    ///< error that needs no further one [m, rad]
+constexpr double kAirRate = 10.0;   ///< at which the offset of a sole in the air goes back [1/s]
+constexpr double kFloorRate = 0.3;  ///< at which the floor is taken to be inclined as a sole that lies flat is [1/s]
+constexpr double kDamping = 1e-6;   ///< of the legs' kinematics, beside half of the error squared
+constexpr int kSteps = 4;           ///< of them, at most
+constexpr double kFarthest = 0.3;   ///< that a joint goes in one: a straight leg's would be anything [rad]
+constexpr double kThere = 1e-6;     ///< error that needs no further one [m, rad]
 
 /// What of v is beyond a dead band.
 template <typename Vector>
@@ -85,11 +86,10 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       double& z = offset_[side].p.z();
       z = std::max(z - share_of(rates_.late) * height_, -kMostHeight * height_);
     } else if (!now.contact[side]) {
-      // In the air: back to the plan, inclined as the other one stands.
+      // In the air: back to the plan, inclined as the floor is.
       Offset& offset = offset_[side];
       offset.p *= 1.0 - share_of(kAirRate);
-      const Vec3& stands = offset_[other(side)].turn;
-      offset.turn += share_of(kAirRate) * (Vec3(stands.x(), stands.y(), 0.0) - offset.turn);
+      offset.turn += share_of(kAirRate) * (Vec3(floor_.x(), floor_.y(), 0.0) - offset.turn);
     }
   }
 }
@@ -138,7 +138,9 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   const Vec2 pressure = Vec2(-moment.y(), moment.x()) / force.force.z();
   if (robot_->sole(side).margin(pressure) > kInside * height_) {
     const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
-    offset.turn.head<2>() += carries * share_of(rates_.turn) * (beyond(turned, kLevel) - offset.turn.head<2>());
+    const Vec2 inclined = beyond(turned, kLevel);
+    offset.turn.head<2>() += carries * share_of(rates_.turn) * (inclined - offset.turn.head<2>());
+    floor_ = bounded(Vec2(floor_ + carries * share_of(kFloorRate) * (inclined - floor_)), kMostTurn);
   }
   offset.p.z() = std::clamp(offset.p.z(), -kMostHeight * height_, kMostHeight * height_);
   offset.p.head<2>() = bounded(Vec2(offset.p.head<2>()), kMostPlace * height_);

@@ -79,6 +79,7 @@ class Footing {
   VecX shifted_;  ///< configuration (nq)
   BySide<Offset> offset_;
   BySide<Tipping> tipping_;
+  Vec2 floor_ = Vec2::Zero();  ///< how the floor is inclined, against the map: `turn` of soles that lie flat, slowly
   BySide<double> missed_{0.0, 0.0};  ///< for how long a sole should have carried, and did not [s]
 };
 
