@@ -334,10 +334,17 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
     goals.push_back(goal);
     add_nominal(context, goal, goals);
   };
+  const auto land = [&](Side side, const Vec3& at, double yaw, SegmentKind kind) {
+    for (const double share : kCatches)
+      add(side, at.head<2>() + share * by, yaw, kind);
+  };
+  const auto beside = [&](Side side) {
+    const Pose& stance = from.sole[other(side)];
+    return Vec3(stance.p + stance.R * Vec3(0, sign_of(side) * profile.stance.width, 0));
+  };
   if (context.step) {
     const Pose& to = context.step->to;
-    for (const double share : kCatches)
-      add(context.step->side, to.p.head<2>() + share * by, yaw_of(to.R), SegmentKind::lower);
+    land(context.step->side, to.p, yaw_of(to.R), SegmentKind::lower);
   } else if (from.contact.left && from.contact.right) {
     const Vec3 ahead = rotation_z(-from.heading()) * Vec3(by.x(), by.y(), 0);
     if (!aside && std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
@@ -351,11 +358,13 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
     const Side best = from.lift_off ? from.lift_off->side : first;
     for (const Side side : {best, other(best)}) {
       if (!straight && !from.lift_off && side != best) continue;
-      const Pose& stance = from.sole[other(side)];
-      const Vec3 beside = stance.p + stance.R * Vec3(0, sign_of(side) * profile.stance.width, 0);
-      for (const double share : kCatches)
-        add(side, beside.head<2>() + share * by, yaw_of(stance.R), SegmentKind::step);
+      land(side, beside(side), yaw_of(from.sole[other(side)].R), SegmentKind::step);
     }
+  } else {
+    const Side up = from.contact.left ? Side::right : Side::left;
+    const Pose& now = from.sole[up];
+    land(up, now.p, yaw_of(now.R), SegmentKind::lower);
+    land(up, beside(up), yaw_of(now.R), SegmentKind::lower);
   }
   if (goals.empty()) return std::monostate{};
   return goals;

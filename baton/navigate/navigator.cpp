@@ -657,7 +657,8 @@ std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
   const int lookahead = profile.tick.lookahead;
   Problem due = problem(Command{.guide = command_.guide});
   std::optional<Vec2> catching;  // such a step is under way, and is so much longer for it
-  double lands = (profile.phases.flow[0] + profile.phases.flow[1]) * profile.duration.first;
+  double lands = profile.phases.flow[1] * profile.duration.first;
+  if (due.start.contact.left && due.start.contact.right) lands += profile.phases.flow[0] * profile.duration.first;
   if (motion_) {
     const int at = index_ + lookahead;
     if (motion_->retraces || at >= motion_->ticks()) return std::nullopt;

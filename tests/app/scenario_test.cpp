@@ -117,6 +117,27 @@ TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
   }
 }
 
+TEST(Scenario, AFootThatIsHeldUpComesDownWhereItCatchesMighty) {
+  const RobotModel& robot = test::robot("mighty");
+  const World world = World::load("flat");
+  for (const double ahead : {1.6, -1.6}) {
+    SimulatedRobot::Parameters parameters;
+    parameters.plant.pushes = {{4.0, 0.05, Vec3(ahead, 0, 0)}};
+    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
+    Command command;
+    command.guide = Part::left_foot;
+    command.lift.left = 0.5;
+    while (session.t() < 4.0)
+      session.step(command);
+    ASSERT_TRUE(session.resting());
+    ASSERT_FALSE(session.navigator().sample().contact.left);
+    while (session.t() < 8.0 && !session.fallen())
+      session.step(command);
+    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_GE(session.navigator().caught(), 1);
+  }
+}
+
 TEST(Soak, PrintsATableOfAScenarioAndAFallThatCanBeSeenAgain) {
   const Scratch scratch;
   // A push that fells everyone.
