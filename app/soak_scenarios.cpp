@@ -26,7 +26,7 @@ struct Row {
   std::array<double, 4> rms{};  ///< of the COM, soles, hands, ZMP [m]: sums of squares by time, until `json`
   double estimate = 0.0;        ///< the largest error of the trunk's place, as share of the way it came
   double drift = 0.0;           ///< the largest change of the COM's height, from the first rest to the last [m]
-  std::vector<long> seeds;      ///< of those that fell
+  std::vector<long> seeds;      ///< of those that fell, or of whose run an exception made an end
 
   void add(const EpisodeResult& result, long seed, double period);
   [[nodiscard]] double root(std::size_t what) const { return upright > 0.0 ? std::sqrt(rms[what] / upright) : 0.0; }
@@ -37,7 +37,7 @@ constexpr std::array<const char*, 4> kTracked{"com", "sole", "hand", "zmp"};
 
 void Row::add(const EpisodeResult& result, long seed, double period) {
   ++tried;
-  const bool falls = result.summary.at("falls").get<int>() > 0;
+  const bool falls = result.summary.at("falls").get<int>() > 0 || result.tally.bad.count("exception") > 0;
   if (falls) {
     ++fell;
     seeds.push_back(seed);

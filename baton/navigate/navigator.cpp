@@ -588,8 +588,13 @@ std::optional<Flight> Navigator::flight(int at) const {
 
 Problem Navigator::problem_of_replacing(int at) const {
   const auto sample = motion_->samples.begin() + at;
-  Problem due{tick_ + robot_->profile().tick.lookahead,     command_, context_at_rest(), passing(*robot_, *sample),
-              history_.empty() ? nullptr : history_.back(), at};
+  // The motion to a rest on the way back is on no trail.
+  Problem due{tick_ + robot_->profile().tick.lookahead,
+              command_,
+              context_at_rest(),
+              passing(*robot_, *sample),
+              history_.empty() || halts_ ? nullptr : history_.back(),
+              at};
   if (at > 0) due.start.contact_before = std::prev(sample)->contact;
   return due;
 }
@@ -838,6 +843,7 @@ void Navigator::forget() {
   past_motion_.reset();
   past_refusal_.reset();
   if (!motion_ || !motion_->retraces) retraced_.reset();
+  if (!history_.empty() && !history_.back()) history_.clear();  // it never got to the rest that leads back
   long ticks = 0;
   auto oldest = history_.end();
   while (oldest != history_.begin() && history_.end() - oldest < kHistory &&

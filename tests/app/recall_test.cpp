@@ -181,6 +181,61 @@ TEST_F(RecallInPhysics, FarFromTheOriginATurnIsNoSlip) {
   EXPECT_EQ(far.navigator().slips(), 0);
 }
 
+TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that caught it was once added to another way
+  const RobotModel robot = RobotModel::load("mighty");
+  const World world = World::load("flat");
+  const auto stick = [](double t) {
+    Command command;
+    if (t < 3.0) command.axes[0] = 1.0;
+    if (t > 4.0 && t < 5.0) command.recall = Recall::retrace;
+    return command;
+  };
+  double halts = 0.0;
+  const auto halting = [](const Navigator& navigator, bool before) {  // a motion back, let go of, has been replaced
+    return before && navigator.motion() != nullptr && !navigator.motion()->retraces;
+  };
+  const auto walk = [&](const Plant& plant) {
+    SimulatedRobot::Parameters parameters;
+    parameters.plant = plant;
+    app::Session session(robot, world, app::Session::On::sim, std::nullopt, parameters);
+    const Navigator& navigator = session.navigator();
+    bool goes_back = false;
+    bool halted = false;
+    int caught_then = 0;
+    while (session.t() < 7.0 && !session.fallen()) {
+      const long caught = navigator.caught();
+      session.step(stick(session.t()));
+      if (!halted && halting(navigator, goes_back) && navigator.caught() == caught) {
+        halted = true;
+        if (halts == 0.0) halts = session.t();
+      }
+      if (halted && navigator.motion() == nullptr) halted = false;
+      if (halted && navigator.caught() > caught) {
+        ++caught_then;
+        session.step({});
+        EXPECT_EQ(navigator.history(), 0u);
+        halted = false;
+      }
+      goes_back = navigator.motion() != nullptr && navigator.motion()->retraces;
+    }
+    Command back;
+    back.recall = Recall::retrace;
+    while (session.t() < 9.0 && !session.fallen())
+      session.step(back);
+    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    return caught_then;
+  };
+  EXPECT_EQ(walk({}), 0);
+  ASSERT_GT(halts, 5.0);
+  int caught = 0;
+  for (double t = halts - 0.06; t < halts + 0.2; t += 0.02) {
+    Plant plant;
+    plant.pushes = {{t, 0.05, Vec3(1.5, 0, 0)}};
+    caught += walk(plant);
+  }
+  EXPECT_GT(caught, 2);
+}
+
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
   const double there = drive(kWalk, "4").first["final"]["com"][0];
   const double back =
