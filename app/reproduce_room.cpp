@@ -100,12 +100,13 @@ int reproduce_room(const std::filesystem::path& out) {
   Outputs outputs(robot, session, out / "room_report.json", out / "room.csv", out / "room.xml");
   std::filesystem::copy_file(script_file, out / "room.jsonl", std::filesystem::copy_options::overwrite_existing);
   SimulatedRobot& body = *session.simulated();
-  Picture picture(body.model(), 640, 480);
+  const ModelPtr drawn = compile_text(session.model_text(), "scene");  // the simulator's has nothing that is only seen
+  Picture picture(*drawn, 640, 480);
 
   Kinematics kinematics(robot);
   Loci loci;
   std::vector<Image> snapshots;
-  const DataPtr scene(mj_makeData(&body.model()));
+  const DataPtr scene(mj_makeData(drawn.get()));
   const double duration = script.duration() + kAfter;
   long segment = -1;
   double held = 0.0;
@@ -141,8 +142,8 @@ int reproduce_room(const std::filesystem::path& out) {
     segment = nav.segment();
     if (session.t() >= duration * static_cast<double>(snapshots.size()) / (kSnapshots - 1) - 0.05 &&
         snapshots.size() < kSnapshots) {
-      mju_copy(scene->qpos, body.data().qpos, body.model().nq);
-      mj_forward(&body.model(), scene.get());
+      mju_copy(scene->qpos, body.data().qpos, drawn->nq);
+      mj_forward(drawn.get(), scene.get());
       snapshots.push_back(picture.render(*scene, "overview"));
       spdlog::info("{:5.1f} of {:.1f} s: the hand is {:.0f} mm from the door", session.t(), duration, 1e3 * error);
     }
@@ -158,7 +159,8 @@ int reproduce_room(const std::filesystem::path& out) {
   draw_histories(loci, out / "fig11.svg");
   save_png(out / "fig12.png", montage(snapshots, 4));
   fmt::print(
-      "{} {}: room.json, fig10.svg, fig11.svg, fig12.png, room.csv, room.xml, room_report.json, room.jsonl in {}\n",
+      "{} {:.2f} s: room.json, fig10.svg, fig11.svg, fig12.png, room.csv, room.xml, room_report.json, room.jsonl in "
+      "{}\n",
       reached ? "the hand was held at the door after" : "the door was not reached in",
       summary["duration_s"].get<double>(), out.string());
   if (session.fallen()) return kFallen;

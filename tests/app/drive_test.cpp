@@ -7,6 +7,7 @@
 
 #include "app/app.hpp"
 #include "baton/model/world.hpp"
+#include "baton/record/image.hpp"
 #include "tests/input/virtual_joystick.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
@@ -333,6 +334,12 @@ TEST(Reproduce, TheRoomByScriptIsReachedAndDriveGivesTheSameTrace) {
   for (const char* file : {"room/fig10.svg", "room/fig11.svg", "room/fig12.png"}) {
     EXPECT_GT(std::filesystem::file_size(scratch.path(file)), 10000u) << file;
   }
+  // The robot's back and the door are blue.
+  const Image snapshots = load_png(scratch.path("room/fig12.png"));
+  int blue = 0;
+  for (std::size_t i = 0; i + 2 < snapshots.rgb.size(); i += 3)
+    blue += snapshots.rgb[i + 2] > snapshots.rgb[i] + 80 ? 1 : 0;
+  EXPECT_GT(blue, 1000);
   const nlohmann::json report = scratch.json("room/room_report.json");
   ASSERT_EQ(run({"drive", "--world", "room", "--input", "script:" + scratch.path("room/room.jsonl"), "--fast",
                  "--seconds", std::to_string(report["duration_s"].get<double>()), "--trace", scratch.path("again.csv")})
