@@ -12,6 +12,8 @@ namespace {
 constexpr double kSamePlace = 1e-3;                    ///< [m] differences below do not decide
 constexpr double kSameYaw = 0.01;                      ///< [rad]
 constexpr double kLeads = 0.7;                         ///< cosine of the angle between two ways that are one
+constexpr double kLeastStep = 0.5;                     ///< of the way asked for: of a step to another place
+constexpr double kLeastApproach = 0.1;                 ///< of it: of a step of the other foot before
 constexpr double kSearch = 0.01;                       ///< spacing of the places that a foot is tried at [m]
 constexpr double kFineSearch = 0.002;                  ///< the same straight ahead, where edges are [m]
 constexpr double kLowestLift = 0.25;                   ///< of a step's clearance: no foot hangs lower
@@ -126,7 +128,7 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
 }
 
 Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
-                                      const Range& forward) const {
+                                      const Range& forward, const std::function<bool(const Vec2&)>& serves) const {
   const Profile::Region& region = robot_->profile().region;
   const Pose& stance = context.from.sole[other(side)];
   const double stance_yaw = yaw_of(stance.R);
@@ -151,6 +153,7 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   Placement first;
   for (const Vec2& candidate : places) {
     const Vec3 p = stance.p + from_stance * Vec3(candidate.x(), candidate.y(), 0);
+    if (serves && !serves(p.head<2>())) continue;
     Placement placement = place(context, side, p.head<2>(), stance_yaw + turned, 0.0, forward);
     if (!placement.against) return placement;
     if (!first.against) first = placement;
@@ -371,42 +374,88 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
 }
 
 GuideResult Guide::guide_foot(const GuideContext& context, const Command& command) const {
-  const Profile& profile = robot_->profile();
   const Side side = side_of(command.guide);
   const Posture& from = context.from;
-  const double throttle = command.lift[side] < kLeastLift ? 0.0 : command.lift[side];
-  // A foot that is only just off the ground would scrape over it as soon as it lags behind.
-  const double lift =
-      throttle == 0.0 ? 0.0 : std::max(throttle * profile.swing.lift, kLowestLift * profile.swing.clearance);
+  const auto [move, yaw, lift] = foot_wish(context, command);
   const bool deflected = command.axes[0] != 0.0 || command.axes[1] != 0.0 || command.axes[5] != 0.0;
-
-  const Vec3 move = rotation_z(from.heading()) * Vec3(command.axes[0], command.axes[1], 0) * profile.reach.foot;
-  const double yaw = yaw_of(from.sole[side].R) + profile.reach.rotation * command.axes[5];
-  const Placement placement =
-      place(context, side, (from.sole[side].p + move).head<2>(), yaw, lift, profile.region.foot_x);
+  const Vec2 at = from.sole[side].p.head<2>() + move;
+  const Placement placement = place(context, side, at, yaw, lift, robot_->profile().region.foot_x);
   const bool up = !from.contact[side];
   const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
   if (!deflected && lift == 0.0 && !up) return std::monostate{};
   if (!deflected && lift > 0.0 && up && !rises) return std::monostate{};
-  if (placement.against) {
-    // A foot in the air that may not be put where it is goes back to where it stood.
-    if (up && lift == 0.0 && !deflected) return landings(context, side);
-    return *placement.against;
-  }
-  Goal goal = stay(context, command.guide);
+  // The ways down are those that were verified before the foot was lifted: `Planning::no_landing`.
+  if (up && lift == 0.0 && !deflected) return landings(context, side);
+  if (placement.against) return *placement.against;
+  return foot_goals(context, side, placement.sole, lift == 0.0);
+}
+
+Guide::FootWish Guide::foot_wish(const GuideContext& context, const Command& command) const {
+  const Profile& profile = robot_->profile();
+  const Side side = side_of(command.guide);
+  const double throttle = command.lift[side] < kLeastLift ? 0.0 : command.lift[side];
+  // A foot that is only just off the ground would scrape over it as soon as it lags behind.
+  const double lift =
+      throttle == 0.0 ? 0.0 : std::max(throttle * profile.swing.lift, kLowestLift * profile.swing.clearance);
+  const Vec3 move = rotation_z(context.from.heading()) * Vec3(command.axes[0], command.axes[1], 0);
+  return {profile.reach.foot * move.head<2>(),
+          yaw_of(context.from.sole[side].R) + profile.reach.rotation * command.axes[5], lift};
+}
+
+std::vector<Goal> Guide::foot_goals(const GuideContext& context, Side side, const Pose& sole, bool stands) const {
+  const bool up = !context.from.contact[side];
+  Goal goal = stay(context, foot(side));
   goal.swing = side;
-  goal.contact[side] = lift == 0.0;
-  goal.sole[side] = placement.sole;
-  if (lift > 0.0) {
-    goal.kind = up ? SegmentKind::air : SegmentKind::lift;
-  } else {
+  goal.contact[side] = stands;
+  goal.sole[side] = sole;
+  if (stands) {
     goal.kind = up ? SegmentKind::lower : SegmentKind::step;
+  } else {
+    goal.kind = up ? SegmentKind::air : SegmentKind::lift;
   }
   goal.com = com_above(context, goal);
   goal.trunk = rotation_z(mean_yaw(goal.sole)) * inclination(goal.trunk);
   std::vector<Goal> goals{goal};
   add_nominal(context, goal, goals);
   return goals;
+}
+
+GuideResult Guide::nearest_step(const GuideContext& context, const Command& raw) const {
+  const Command command = sanitised(raw);
+  const Side side = side_of(command.guide);
+  const auto [move, yaw, lift] = foot_wish(context, command);
+  const double length = move.norm();
+  if (lift > 0.0 || length < kSamePlace) return std::monostate{};
+  const Vec2 from = context.from.sole[side].p.head<2>();
+  const Vec2 direction = move / length;
+  const auto leads = [&](const Vec2& at) {
+    const double ahead = (at - from).dot(direction);
+    return ahead >= kLeastStep * length && ahead >= kLeads * (at - from).norm();
+  };
+  const Placement placement =
+      nearest_place(context, side, from + move, yaw, robot_->profile().region.foot_x, leads);
+  if (placement.against || !leads(placement.sole.p.head<2>())) return std::monostate{};
+  return foot_goals(context, side, placement.sole, true);
+}
+
+GuideResult Guide::other_foot_first(const GuideContext& context, const Command& raw) const {
+  const Command command = sanitised(raw);
+  const Side side = side_of(command.guide);
+  const Posture& from = context.from;
+  const auto [move, yaw, lift] = foot_wish(context, command);
+  const double length = move.norm();
+  if (lift > 0.0 || length < kSamePlace || context.step || !from.contact.left || !from.contact.right)
+    return std::monostate{};
+  const Side steps = other(side);
+  const Vec3 beside = rotation_z(from.heading()) * Vec3(0, sign_of(steps) * robot_->profile().stance.width, 0);
+  const Vec2 wish = (from.sole[side].p + beside).head<2>() + move;
+  const auto leads = [&](const Vec2& at) {
+    return (at - from.sole[steps].p.head<2>()).dot(move) / length >= kLeastApproach * length;
+  };
+  const Placement placement =
+      nearest_place(context, steps, wish, yaw_of(from.sole[side].R), robot_->profile().region.foot_x, leads);
+  if (placement.against || !leads(placement.sole.p.head<2>())) return std::monostate{};
+  return foot_goals(context, steps, placement.sole, true);
 }
 
 void Guide::add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const {

@@ -2,6 +2,7 @@
 /// (docs/theory.md §2). A pure function: nothing is remembered here.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <variant>
 
@@ -59,6 +60,14 @@ class Guide {
   /// The same command of a foot, its goal brought into the foot's region.
   [[nodiscard]] Command within_region(const GuideContext& context, const Command& command) const;
 
+  /// Where the foothold that a command of a foot asks for is on an edge: the nearest one that leads the same way and can
+  /// be stood on, short of the edge or past it. Nothing if there is none, or the foot is to be in the air.
+  [[nodiscard]] GuideResult nearest_step(const GuideContext& context, const Command& command) const;
+
+  /// A step of the other foot that leads the way a guided foot is to go: at an edge that is too far from the other foot
+  /// to be stepped past, that one comes first. Nothing if it stands as near already.
+  [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Command& command) const;
+
   /// Ways to put down a foot that is in the air: where it is, where it stood last, at the nearest place; with the
   /// COM as high as it is, or lower.
   [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;
@@ -97,8 +106,20 @@ class Guide {
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
                                 const Range& forward, std::optional<double> edge = {}) const;
   /// Of the places in the foot's region, the nearest to `at` that can be stood on.
+  /// @param serves if given, of those for which it is true [m, planning frame]
   [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
-                                        const Range& forward) const;
+                                        const Range& forward,
+                                        const std::function<bool(const Vec2&)>& serves = {}) const;
+  /// Where a command sends the foot that it guides.
+  struct FootWish {
+    Vec2 move;         ///< [m]
+    double yaw = 0.0;  ///< [rad]
+    double lift = 0.0;  ///< height above the ground; 0: it is to stand [m]
+  };
+  [[nodiscard]] FootWish foot_wish(const GuideContext& context, const Command& command) const;
+  /// The guided foot to `sole`, all else by rule.
+  [[nodiscard]] std::vector<Goal> foot_goals(const GuideContext& context, Side side, const Pose& sole,
+                                             bool stands) const;
   /// Appends the steps that serve a COM and trunk goal, with soles that far apart; returns what speaks against
   /// the preferred one.
   std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,

@@ -169,17 +169,20 @@ Planning::Outcome Planning::outcome(const Problem& problem) {
 }
 
 Planning::Outcome Planning::led(Planner& planner, const Problem& problem) {
-  if (problem.command.recall == Recall::stop) return stop(planner, problem);
-  Outcome whole = resolve(planner, problem, problem.command);
+  if (problem.command.recall == Recall::stop) {
+    if (problem.replaced_at >= 0) return stop(planner, problem);
+    const Command let_go{.guide = problem.command.guide};
+    return resolve(planner, problem, guide_.goals(problem.context, let_go));  // at rest: a foot in the air is put down
+  }
+  Outcome whole = resolve(planner, problem, guide_.goals(problem.context, problem.command));
   if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<Motion> part = shrunk(planner, problem);
+  std::optional<Motion> part = shrunk(planner, problem, std::get<Refusal>(whole));
   if (!part) return whole;
   part->limit = std::get<Refusal>(std::move(whole));
   return *std::move(part);
 }
 
-Planning::Outcome Planning::resolve(Planner& planner, const Problem& problem, const Command& command) {
-  GuideResult guided = guide_.goals(problem.context, command);
+Planning::Outcome Planning::resolve(Planner& planner, const Problem& problem, GuideResult guided) {
   if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
@@ -256,25 +259,12 @@ Planning::Outcome Planning::quickest(Planner& planner, const std::vector<Goal>& 
 }
 
 Planning::Outcome Planning::halt(const Problem& problem) {
-  const Trail::Piece& piece = problem.trail->pieces[problem.halt->piece];
-  const Trail::Point& there = piece.points->back();
-  Goal goal;
-  goal.guided = piece.goal.guided;
-  goal.sole = there.sole;
-  goal.com = there.com;
-  goal.trunk = posture_of(*robot_, there.q).trunk;
-  goal.arms = there.q.tail(robot_->nv() - 6);
-  PlanResult planned = planner_.plan(problem.start, goal, problem.context.anchor, DurationRule::search);
-  if (auto* refusal = std::get_if<Refusal>(&planned)) return std::move(*refusal);
-  auto& motion = std::get<Motion>(planned);
-  const double off = (motion.end.q - there.q).cwiseAbs().maxCoeff();
-  if (off > kSameRest) return Refusal{Reason::unreachable, goal.guided, off, kSameRest, "rest on the way back"};
-  // The trail goes on from there, to the bit.
-  motion.samples.back().q = motion.rest.q = motion.end.q = there.q;
-  return std::move(motion);
+  PlanResult planned = planner_.halt(problem.start, *problem.trail, *problem.halt, problem.context.anchor);
+  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+  return std::get<Refusal>(std::move(planned));
 }
 
-std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem) {
+std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem, const Refusal& against) {
   const Posture& from = problem.context.from;
   const Command& command = problem.command;
   const bool both_stand = from.contact.left && from.contact.right;
@@ -282,12 +272,14 @@ std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem)
       (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
     return std::nullopt;
   std::optional<Motion> best;
-  const auto tried = [&](const Command& candidate) {
-    Outcome outcome = resolve(planner, problem, candidate);
+  const auto accepted = [&](Outcome outcome) {
     auto* motion = std::get_if<Motion>(&outcome);
     const bool better = motion != nullptr && worth(from, *motion);
     if (better) best = std::move(*motion);
     return better;
+  };
+  const auto tried = [&](const Command& candidate) {
+    return accepted(resolve(planner, problem, guide_.goals(problem.context, candidate)));
   };
   double done = 0.0;
   double refused = 1.0;
@@ -301,6 +293,10 @@ std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem)
   if (is_foot(command.guide)) {
     const Command within = guide_.within_region(problem.context, command);
     if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
+    if (against.reason == Reason::ground) {
+      if (accepted(resolve(planner, problem, guide_.nearest_step(problem.context, command)))) return best;
+      if (accepted(resolve(planner, problem, guide_.other_foot_first(problem.context, command)))) return best;
+    }
   }
   std::vector<int> axes = guide_.axes_of(command.guide);
   std::stable_sort(axes.begin(), axes.end(),

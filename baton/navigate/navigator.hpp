@@ -77,11 +77,14 @@ class Planning {
  private:
   using Outcome = std::variant<std::monostate, Motion, Refusal>;
 
-  [[nodiscard]] Outcome outcome(const Problem& problem);
+  /// @param trail what the motion belongs to or retraces; of a part of a way back, what is left of it afterwards
+  [[nodiscard]] Outcome outcome(const Problem& problem, std::shared_ptr<const Trail>& trail);
   /// What the command asks for, or a part of it.
   [[nodiscard]] Outcome led(Planner& planner, const Problem& problem);
-  [[nodiscard]] Outcome resolve(Planner& planner, const Problem& problem, const Command& command);
-  [[nodiscard]] Outcome go_back(const Problem& problem);
+  /// The first goal that has a verified motion.
+  [[nodiscard]] Outcome resolve(Planner& planner, const Problem& problem, GuideResult guided);
+  /// The way back, or the part of it that can be taken; `left` is then what is left of the trail.
+  [[nodiscard]] Outcome go_back(const Problem& problem, std::shared_ptr<const Trail>& left);
   /// The quickest of the ways to rest.
   [[nodiscard]] Outcome stop(Planner& planner, const Problem& problem);
   /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
@@ -91,7 +94,8 @@ class Planning {
   /// To rest at a rest on the trail.
   [[nodiscard]] Outcome halt(const Problem& problem);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
-  [[nodiscard]] std::optional<Motion> shrunk(Planner& planner, const Problem& problem);
+  /// @param against what speaks against the whole
+  [[nodiscard]] std::optional<Motion> shrunk(Planner& planner, const Problem& problem, const Refusal& against);
   /// Whether the guided part comes anywhere by it.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
