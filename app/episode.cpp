@@ -174,11 +174,12 @@ class Run {
     const bool from_rest = motion == nullptr || navigator.now() >= motion_ends_;
     if (begins) motion_ends_ = navigator.now() + motion->ticks();
     if (back_to_ && (begins || motion == nullptr)) {
-      if (from_rest && going_back_) look_whether_back(q);
-      if (!from_rest) rests_.push_back(*back_to_);  // ended early, on the way to there
+      if (from_rest && going_back_ && !part_) look_whether_back(q);
+      if (!from_rest || part_) rests_.push_back(*back_to_);  // it ended on the way to there
       back_to_.reset();
     }
     if (begins && motion->retraces) {
+      part_ = motion->limit.has_value();
       back_to_ = rests_.back();
       rests_.pop_back();
     } else if (begins && from_rest) {
@@ -249,6 +250,7 @@ class Run {
   bool going_back_ = false;
   long motion_ends_ = 0;         ///< the one under way, if nothing replaces it [tick]
   std::optional<VecX> back_to_;  ///< where the motion back that is under way shall end
+  bool part_ = false;            ///< it goes only a part of the way there
   Command last_command_;
   std::string back_;
   VecX last_q_;

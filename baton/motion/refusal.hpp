@@ -71,6 +71,7 @@ struct Refusal {
   double value = 0.0;       ///< what the motion would have needed
   double limit = 0.0;       ///< what is allowed
   std::string where;        ///< joint, link pair or place; may be empty
+  double t = 0.0;           ///< when a limit is exceeded first, from the start of the motion [s]
 };
 
 /// The worst value of one quantity along a verified motion.

@@ -142,8 +142,8 @@ Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
       hasty_planner_(hasty_, world) {}
 
 PlanningResult Planning::plan(const Problem& problem) {
-  PlanningResult result{problem.take_over, problem.command, problem.context,
-                        outcome(problem),  problem.trail,   problem.catches};
+  PlanningResult result{problem.take_over, problem.command, problem.context, {}, problem.trail, problem.catches};
+  result.outcome = outcome(problem, result.trail);
   const auto* motion = std::get_if<Motion>(&result.outcome);
   if (motion == nullptr && problem.otherwise) return plan(*problem.otherwise);
   if (motion == nullptr || motion->retraces) return result;
@@ -157,10 +157,10 @@ PlanningResult Planning::plan(const Problem& problem) {
   return result;
 }
 
-Planning::Outcome Planning::outcome(const Problem& problem) {
+Planning::Outcome Planning::outcome(const Problem& problem, std::shared_ptr<const Trail>& trail) {
   if (problem.halt) return halt(problem);
   if (problem.catches) return catch_step(problem);
-  if (problem.command.recall == Recall::retrace) return go_back(problem);
+  if (problem.command.recall == Recall::retrace) return go_back(problem, trail);
   if (problem.uneven) {
     Outcome outcome = led(careful_planner_, problem);
     if (!std::holds_alternative<Refusal>(outcome)) return outcome;
@@ -191,14 +191,20 @@ Planning::Outcome Planning::resolve(Planner& planner, const Problem& problem, Gu
   return std::get<Refusal>(std::move(planned));
 }
 
-Planning::Outcome Planning::go_back(const Problem& problem) {
+Planning::Outcome Planning::go_back(const Problem& problem, std::shared_ptr<const Trail>& left) {
   if (!problem.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
-  PlanResult planned = planner_.retrace(*problem.trail, problem.context.anchor);
-  if (auto* motion = std::get_if<Motion>(&planned)) {
-    if (std::optional<Refusal> tips = no_stance(*motion, problem)) return *std::move(tips);
-    return std::move(*motion);
+  const Trail& trail = *problem.trail;
+  PlanResult planned = planner_.retrace(trail, problem.context.anchor);
+  if (auto* refusal = std::get_if<Refusal>(&planned)) {
+    if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
+    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, problem.context.anchor, *refusal);
+    if (!part) return std::move(*refusal);
+    left = std::make_shared<const Trail>(trail_to(trail, part->halt));
+    planned = std::move(part->motion);
   }
-  return std::get<Refusal>(std::move(planned));
+  auto& motion = std::get<Motion>(planned);
+  if (std::optional<Refusal> tips = no_stance(motion, problem)) return *std::move(tips);
+  return std::move(motion);
 }
 
 Planning::Outcome Planning::stop(Planner& planner, const Problem& problem) {
@@ -597,8 +603,11 @@ Problem Navigator::problem_of_replacing(int at) const {
 
 std::optional<Halt> Navigator::halt_from(int at) const {
   if (!retraced_) return std::nullopt;
+  // Where only a part of the way back is taken, what is left of it lies behind the rest that this leads to.
+  const std::size_t first = motion_->limit ? history_.back()->pieces.size() : 0;
   const std::vector<Halt> rests = halts(*retraced_);
-  const auto next = std::find_if(rests.begin(), rests.end(), [&](const Halt& rest) { return rest.passed > at; });
+  const auto next = std::find_if(rests.begin(), rests.end(),
+                                 [&](const Halt& rest) { return rest.passed > at && rest.piece >= first; });
   const auto both_stand = [](const MotionSample& s) { return s.contact.left && s.contact.right; };
   const auto sample = motion_->samples.begin();
   if (next == rests.end() || !std::all_of(sample + at, sample + next->passed, both_stand)) return std::nullopt;
@@ -812,9 +821,9 @@ void Navigator::commit(PlanningResult& result) {
   halts_ = motion_ && motion_->retraces;
   if (motion.retraces) {
     retraced_.swap(history_.back());
-    result.trail.swap(history_.back());
-    history_.pop_back();
-  } else if (!motion_ || motion_->retraces) {
+    result.trail.swap(history_.back());  // of a part of the way back: what is left of it
+    if (!motion.limit) history_.pop_back();
+  } else if (!motion_ || (motion_->retraces && !motion_->limit)) {
     history_.push_back(std::move(result.trail));
   } else if (!history_.empty()) {
     history_.back().swap(result.trail);

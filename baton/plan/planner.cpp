@@ -4,7 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "baton/ik/moving.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/math/quintic.hpp"
 #include "baton/plan/retrace.hpp"
 #include "baton/plan/shortest.hpp"
 
@@ -18,6 +20,8 @@ constexpr int kSurveyIterations = 12;    ///< of inverse kinematics for each
 constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
 constexpr double kRoughly = 1.05;  ///< a survey's torques are not exact
 constexpr int kCorrections = 2;    ///< by the limbs' part in the ZMP
+constexpr double kSameRest = 1e-5;  ///< of a joint: what inverse kinematics may leave at a rest on the way back [rad]
+constexpr int kRestsTried = 8;      ///< on a way back that cannot be taken whole
 constexpr int kVain = 2;           ///< surveys in a row, after which a torque is taken for one that stays
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
@@ -49,6 +53,22 @@ bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) 
     return false;
   const double stays = (T2 * T2 * second.value - T1 * T1 * first.value) / (T2 * T2 - T1 * T1);
   return stays > kRoughly * second.limit;
+}
+
+/// The first `ticks` of a motion backwards, then `end`, which begins there.
+Motion joined(const Motion& backwards, int ticks, Motion end) {
+  Motion motion = std::move(end);
+  motion.retraces = true;
+  motion.dq0 = backwards.dq0;
+  motion.contact_before = backwards.contact_before;
+  motion.samples.insert(motion.samples.begin(), backwards.samples.begin(), backwards.samples.begin() + ticks);
+  std::vector<ContactPhase> phases;
+  for (int left = ticks; left > 0; left -= phases.back().ticks) {
+    phases.push_back(backwards.phases[phases.size()]);
+    phases.back().ticks = std::min(phases.back().ticks, left);
+  }
+  motion.phases.insert(motion.phases.begin(), phases.begin(), phases.end());
+  return motion;
 }
 
 }  // namespace
@@ -173,6 +193,69 @@ PlanResult Planner::retrace(const Trail& trail, const Pose& anchor) {
   Motion motion = reversed(*robot_, trail);
   if (std::optional<Refusal> refusal = certify(motion, anchor)) return *std::move(refusal);
   return motion;
+}
+
+PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor) {
+  const Trail::Piece& piece = trail.pieces[halt.piece];
+  const Trail::Point& there = piece.points->back();
+  Goal goal;
+  goal.guided = piece.goal.guided;
+  goal.sole = there.sole;
+  goal.com = there.com;
+  goal.trunk = posture_of(*robot_, there.q).trunk;
+  goal.arms = there.q.tail(robot_->nv() - 6);
+  PlanResult planned = plan(from, goal, anchor, DurationRule::search);
+  auto* motion = std::get_if<Motion>(&planned);
+  if (motion == nullptr) return planned;
+  VecX off(robot_->nv());
+  difference(*robot_, off, 1.0, motion->end.q, there.q);
+  const double most = off.cwiseAbs().maxCoeff();
+  if (most > kSameRest) return Refusal{Reason::unreachable, goal.guided, most, kSameRest, "rest on the way back"};
+  // What inverse kinematics leaves is made up for on the way.
+  for (int k = 1; k <= motion->ticks(); ++k)
+    integrate(*robot_, motion->samples[static_cast<std::size_t>(k)].q, off, smooth_step(k, motion->ticks()).x);
+  motion->samples.back().q = motion->end.q = there.q;
+  differentiate(*robot_, *motion);
+  if (std::optional<Refusal> refusal = certify(*motion, anchor)) return *std::move(refusal);
+  return planned;
+}
+
+std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, const Pose& anchor, Refusal against) {
+  Motion whole = reversed(*robot_, trail);
+  const auto both_stand = [&](int k) {
+    const MotionSample& sample = whole.samples[static_cast<std::size_t>(k)];
+    return sample.contact.left && sample.contact.right;
+  };
+  const std::vector<Halt> rests = halts(trail);
+  int tries = kRestsTried;
+  double until = against.t;
+  for (auto rest = rests.rbegin(); rest != rests.rend() && tries > 0; ++rest) {
+    if (rest->passed * whole.period > until) continue;
+    --tries;
+    // Both feet stand from where the last of them has landed: from there on the robot may come to rest.
+    int landed = rest->passed;
+    while (landed > 0 && both_stand(landed - 1))
+      --landed;
+    for (const int leaves : {landed, (landed + rest->passed) / 2, rest->passed}) {
+      MotionSample& sample = whole.samples[static_cast<std::size_t>(leaves)];
+      sample.force.resize(robot_->nv());
+      kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
+      Posture from = passing(*robot_, sample);
+      if (leaves > 0) from.contact_before = whole.samples[static_cast<std::size_t>(leaves) - 1].contact;
+      PlanResult planned = halt(from, trail, *rest, anchor);
+      auto* end = std::get_if<Motion>(&planned);
+      if (end == nullptr) continue;
+      Motion part = joined(whole, leaves, *std::move(end));
+      differentiate(*robot_, part);
+      if (const std::optional<Refusal> refusal = certify(part, anchor)) {
+        if (refusal->t < leaves * whole.period) until = std::min(until, refusal->t);
+        continue;
+      }
+      part.limit = std::move(against);
+      return PartOfWay{std::move(part), *rest};
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<Refusal> Planner::certify(Motion& motion, const Pose& anchor) {

@@ -33,6 +33,19 @@ class Planner {
   /// The way back along an executed motion, verified again.
   [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor);
 
+  /// From a posture on the way back, moving, to a rest on it: to the very joint angles that the rest of the way back
+  /// begins with.
+  [[nodiscard]] PlanResult halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor);
+
+  /// A part of the way back, and the rest where it ends.
+  struct PartOfWay {
+    Motion motion;  ///< its `limit` is what speaks against going on
+    Halt halt;
+  };
+  /// The way back to the last rest on it before what speaks against the whole of it; none if there is no such rest.
+  /// @param against the refusal of the whole way back
+  [[nodiscard]] std::optional<PartOfWay> retrace_part(const Trail& trail, const Pose& anchor, Refusal against);
+
  private:
   /// What speaks against a candidate, and the factor on its duration that may mend it; 0: none does.
   struct Failure {

@@ -54,8 +54,9 @@ class Verifier::Ledger {
     const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
-    if (!(slack >= 0.0) && (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity))))
-      violation_ = quantity;
+    if (slack >= 0.0) return;
+    first_ = std::min(first_, t);
+    if (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity))) violation_ = quantity;
   }
 
   [[nodiscard]] bool violated() const { return violation_.has_value(); }
@@ -64,7 +65,7 @@ class Verifier::Ledger {
   [[nodiscard]] std::variant<Certificate, Refusal> result(const Name& name) const {
     if (violation_) {
       const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
-      return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject)};
+      return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_};
     }
     Certificate certificate;
     for (std::size_t i = 0; i < kReasons; ++i) {
@@ -87,6 +88,7 @@ class Verifier::Ledger {
   };
   std::array<Entry, kReasons> entries_{};
   std::optional<Reason> violation_;
+  double first_ = std::numeric_limits<double>::infinity();  ///< when anything was violated first [s]
 };
 
 Verifier::Verifier(const RobotModel& robot, const World& world)
