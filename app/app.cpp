@@ -49,6 +49,17 @@ void add_physics(CLI::App& command, PhysicsOptions& physics) {
       ->check(CLI::Range(0.0, 100.0));
 }
 
+void add_answers(CLI::App& command, AnswerOptions& answers) {
+  command
+      .add_option("--answer-delay", answers.delay_ms,
+                  "Answers of the planner come late, each by 0 to this many ms, at random by --seed")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 10000.0));
+  command.add_option("--answer-loss", answers.loss, "Share of the planner's answers that are lost, at random by --seed")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+}
+
 void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
       ->capture_default_str();
@@ -59,8 +70,9 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
   add_modes(command, o.modes);
   add_physics(command, o.physics);
+  add_answers(command, o.answers);
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")->check(CLI::PositiveNumber);
-  command.add_option("--seed", o.seed, "Of the scenario; recorded in the report")->capture_default_str();
+  command.add_option("--seed", o.seed, "Of the scenario and of what goes wrong with answers; recorded in the report")->capture_default_str();
   command.add_flag("--headless", o.headless, "No page");
   command.add_flag("--fast", o.fast, "Do not wait for the clock on the wall (needs --seconds; no page)");
   command.add_option("--port", o.port, "Port of the page; 0: any that is free")
@@ -76,11 +88,12 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--on", o.on, "sim or ideal")->capture_default_str()->check(CLI::IsMember({"sim", "ideal"}));
   add_modes(command, o.modes);
   add_physics(command, o.physics);
+  add_answers(command, o.answers);
   command.add_option("--seeds", o.seeds, "Of a scenario, from --seed on: one episode each")->check(CLI::PositiveNumber);
   command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
       ->check(CLI::PositiveNumber);
   command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")->check(CLI::PositiveNumber);
-  command.add_option("--seed", o.seed, "Of the sticks")->capture_default_str();
+  command.add_option("--seed", o.seed, "Of the sticks, scenarios and what goes wrong with answers")->capture_default_str();
   command.add_option("--robot", o.robot, "Robot")->capture_default_str();
   command.add_option("--world", o.world, "World")->capture_default_str();
   command.add_option("--jobs", o.jobs, "Threads; the result does not depend on it")

@@ -25,6 +25,12 @@ struct PhysicsOptions {
   double times = 1.0;                   ///< factor on how far it is from it
 };
 
+/// What goes wrong with the planner's answers.
+struct AnswerOptions {
+  double delay_ms = 0.0;  ///< each comes late, by at most this [ms]
+  double loss = 0.0;      ///< share of them that never comes
+};
+
 struct DriveOptions {
   std::string robot = "mighty";
   std::string world = "room";
@@ -32,6 +38,7 @@ struct DriveOptions {
   std::string input = "auto";
   ModeOptions modes;
   PhysicsOptions physics;
+  AnswerOptions answers;
   std::optional<double> seconds;
   long seed = 0;
   bool headless = false;
@@ -84,6 +91,7 @@ struct SoakOptions {
   std::string on = "ideal";
   ModeOptions modes;
   PhysicsOptions physics;
+  AnswerOptions answers;
   std::optional<long> segments;
   std::optional<double> hours;  ///< simulated
   long seed = 0;

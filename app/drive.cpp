@@ -50,6 +50,7 @@ int drive(const DriveOptions& o) {
                     {"drive", std::string(to_string(robot.profile().drive))}});
   }
   if (!o.fast) session.plan_on_a_thread();
+  session.spoil_answers(faults_of(o.answers, static_cast<std::uint64_t>(o.seed)));
 
   std::optional<View> view;
   if (!o.headless && !o.fast) {

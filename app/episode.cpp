@@ -44,6 +44,7 @@ class Run {
         session_(robot, world, course.on, std::nullopt, parameters(robot, course, index), course.modes, course.state),
         report_(robot),
         stuck_planning_(robot, world, {course.modes.duration, OnLimit::discard}) {
+    session_.spoil_answers(faults_of(course.answers, course.seed + static_cast<std::uint64_t>(index)));
     // In a scenario it is falls that count: the ground is not as planned.
     if (course.scenario == nullptr) checker_.emplace(robot, session_.model_text(), tolerances(robot, course));
     session_.on_tick = [this](const TickRecord& record) { judge(record); };

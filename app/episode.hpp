@@ -22,6 +22,7 @@ struct Course {
   double seconds = 120.0;              ///< each is that long, and then until the robot rests, and a few motions back
   const Scenario* scenario = nullptr;  ///< in physics: no way back then, but a plant for each
   double times = 1.0;                  ///< factor on how far that is from the model
+  AnswerOptions answers{};             ///< what goes wrong with them, by the seed of each episode
 };
 
 struct EpisodeResult {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "app/scenario.hpp"
 #include "baton/ik/stand.hpp"
@@ -41,6 +43,10 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
         plant_of(scenario_named(*options.scenario), robot, static_cast<std::uint64_t>(seed), options.times);
   }
   return parameters;
+}
+
+AnswerFaults faults_of(const AnswerOptions& options, std::uint64_t seed) {
+  return {1e-3 * options.delay_ms, options.loss, seed};
 }
 
 RobotModel with_drive(const RobotModel& robot, Drive drive) {
@@ -98,7 +104,7 @@ void Session::step(const Command& command) {
   const double tick_us = cpu_us() - before;
   if (on_tick) on_tick({t_, navigator_, measurement, body_->truth(), target, tick_us});
   body_->write(target);
-  thread_ ? plan_aside() : plan_at_once();
+  plan();
   t_ = static_cast<double>(++ticks_) * robot_->profile().tick.period;
 }
 
@@ -106,31 +112,43 @@ void Session::plan_on_a_thread() {
   thread_.emplace(*robot_, *world_, modes_);
 }
 
-void Session::plan_at_once() {
-  const std::optional<Problem> problem = ask();
-  if (!problem) return;
-  const double asked = cpu_us();
-  PlanningResult result = planning_.plan(*problem);
-  const double plan_us = cpu_us() - asked;
-  answered({*problem, std::move(result), plan_us});
+void Session::spoil_answers(const AnswerFaults& faults) {
+  faults_ = faults;
+  dice_ = Dice(mixed_seed(faults.seed, 79));
 }
 
-void Session::plan_aside() {
-  if (std::optional<PlanningThread::Answer> answer = thread_->poll()) answered(*std::move(answer));
-  if (!thread_->idle()) return;
-  if (std::optional<Problem> problem = ask()) thread_->post(*std::move(problem));
-}
-
-std::optional<Problem> Session::ask() {
+void Session::plan() {
+  navigator_.poll();
+  const auto hand_in = [this] {
+    std::optional<PlanningThread::Answer> answer = this->answer();
+    if (!answer || lost_) return;
+    if (on_plan) on_plan({t_, answer->problem, answer->result, answer->plan_us});
+    if (on_event) on_event(PlanningEvent::offer);
+    navigator_.offer(std::move(answer->result));
+  };
+  hand_in();
+  const bool busy = thread_ ? !thread_->idle() : ready_.has_value();
+  if (busy) return;
   std::optional<Problem> problem = navigator_.request();
-  if (problem && on_event) on_event(PlanningEvent::ask);
-  return problem;
+  if (!problem) return;
+  if (on_event) on_event(PlanningEvent::ask);
+  post(*std::move(problem));
+  if (!thread_) hand_in();
 }
 
-void Session::answered(PlanningThread::Answer answer) {
-  if (on_plan) on_plan({t_, answer.problem, answer.result, answer.plan_us});
-  if (on_event) on_event(PlanningEvent::offer);
-  navigator_.offer(std::move(answer.result));
+std::optional<PlanningThread::Answer> Session::answer() {
+  if (ticks_ < due_at_) return std::nullopt;
+  return thread_ ? thread_->poll() : std::exchange(ready_, std::nullopt);
+}
+
+void Session::post(Problem problem) {
+  const auto latest = static_cast<int>(std::lround(faults_.delay / robot_->profile().tick.period));
+  due_at_ = ticks_ + dice_.between(0, latest);
+  lost_ = 1e-4 * dice_.below(10000) < faults_.loss;
+  if (thread_) return thread_->post(std::move(problem));
+  const double asked = cpu_us();
+  PlanningResult result = planning_.plan(problem);
+  ready_ = {std::move(problem), std::move(result), cpu_us() - asked};
 }
 
 }  // namespace baton::app

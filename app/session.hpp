@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/planning_thread.hpp"
+#include "app/stick.hpp"
 #include "baton/input/device.hpp"
 #include "baton/navigate/navigator.hpp"
 #include "baton/record/recording.hpp"
@@ -15,6 +16,15 @@
 #include "baton/robot/simulated_robot.hpp"
 
 namespace baton::app {
+
+/// What goes wrong with the planner's answers on their way to the navigator.
+struct AnswerFaults {
+  double delay = 0.0;      ///< each comes late, by at most this [s]
+  double loss = 0.0;       ///< share of them that never comes
+  std::uint64_t seed = 0;  ///< of both
+
+  [[nodiscard]] bool any() const { return delay > 0.0 || loss > 0.0; }
+};
 
 /// The modes that options name.
 [[nodiscard]] Modes modes_of(const ModeOptions& options);
@@ -30,6 +40,8 @@ namespace baton::app {
 /// @throws InputError a scenario where there is no physics, or no such scenario
 [[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
                                                        const std::string& on, long seed);
+/// The faults of answers that options name.
+[[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options, std::uint64_t seed);
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
 inline constexpr double kStiff = 8.0;
 
@@ -60,6 +72,9 @@ class Session {
   /// ready, and are dropped if that is too late. Without it they come at once, whatever the clock says.
   void plan_on_a_thread();
 
+  /// From now on answers come late or not at all.
+  void spoil_answers(const AnswerFaults& faults);
+
   /// Lives through one tick with this command.
   void step(const Command& command);
 
@@ -76,10 +91,11 @@ class Session {
   [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
 
  private:
-  void plan_at_once();
-  void plan_aside();
-  [[nodiscard]] std::optional<Problem> ask();
-  void answered(PlanningThread::Answer answer);
+  /// Asks the planner for what is due, if it is free, and hands in what it has answered.
+  void plan();
+  /// The answer of the planner, once it is there and its delay is over.
+  [[nodiscard]] std::optional<PlanningThread::Answer> answer();
+  void post(Problem problem);
 
   const RobotModel* robot_;
   const World* world_;
@@ -91,6 +107,11 @@ class Session {
   Modes modes_;
   Planning planning_;
   std::optional<PlanningThread> thread_;
+  AnswerFaults faults_;
+  Dice dice_{0};
+  long due_at_ = 0;                              ///< tick from which the answer to the newest problem may come
+  bool lost_ = false;                            ///< it is lost
+  std::optional<PlanningThread::Answer> ready_;  ///< what was planned on the spot
   double t_ = 0.0;
   long ticks_ = 0;
 };

@@ -34,6 +34,8 @@ class SoakReport {
                {"seed", o.seed},
                {"state", o.physics.state},
                {"drive", std::string(to_string(robot.profile().drive))},
+               {"answer_delay_ms", o.answers.delay_ms},
+               {"answer_loss", o.answers.loss},
                {"episode_s", o.episode.value_or(Course{}.seconds)}}),
         period_(robot.profile().tick.period) {}
 
@@ -135,11 +137,11 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   write_whole(file, episodes.script(failure.episode, result));
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
-  std::string physics = fmt::format(" --state {}", o.physics.state);
+  std::string physics = fmt::format(" --state {} --seed {}", o.physics.state, seed);
   if (o.physics.drive) physics += fmt::format(" --drive {}", *o.physics.drive);
-  if (o.physics.scenario) {
-    physics += fmt::format(" --scenario {} --times {} --seed {}", *o.physics.scenario, o.physics.times, seed);
-  }
+  if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
+  if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
+  if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
   fmt::print(
       "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
       "--seconds {:.3f}\n",
@@ -160,6 +162,7 @@ int soak(const SoakOptions& o) {
   course.state = state_named(o.physics.state);
   course.seed = static_cast<std::uint64_t>(o.seed);
   course.seconds = o.episode.value_or(course.seconds);
+  course.answers = o.answers;
   const Episodes episodes(robot, world, course);
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();
@@ -181,7 +184,7 @@ int soak(const SoakOptions& o) {
         report.tally.add(result->tally);
         if (listed && result->tally.failures > 0) {
           progress.clear();
-          write_replay(o, episodes, *result, robot.profile().tick.period, o.seed);
+          write_replay(o, episodes, *result, robot.profile().tick.period, o.seed + result->tally.listed.front().episode);
         }
       }
       progress.show(tally, done());

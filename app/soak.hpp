@@ -11,7 +11,7 @@ namespace baton::app {
 void write_whole(const std::filesystem::path& file, const std::string& text);
 
 /// Writes the stick of an episode that went wrong, and says how to see it again.
-/// @param seed of its plant
+/// @param seed of its plant and of what goes wrong with answers
 void write_replay(const SoakOptions& options, const Episodes& episodes, const EpisodeResult& result, double period,
                   long seed);
 

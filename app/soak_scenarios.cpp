@@ -106,7 +106,9 @@ int soak_scenarios(const SoakOptions& o) {
                  {"world", world.name()},
                  {"state", o.physics.state},
                  {"seed", o.seed},
-                 {"times", o.physics.times}};
+                 {"times", o.physics.times},
+                 {"answer_delay_ms", o.answers.delay_ms},
+                 {"answer_loss", o.answers.loss}};
   bool fell = false;
   print_head();
   for (const Scenario& scenario : chosen) {
@@ -122,6 +124,7 @@ int soak_scenarios(const SoakOptions& o) {
     course.seconds = o.episode.value_or(scenario.seconds);
     course.scenario = &scenario;
     course.times = o.physics.times;
+    course.answers = o.answers;
     const Episodes episodes(robot, world, course);
     const double period = robot.profile().tick.period;
     Row row;
