@@ -24,7 +24,8 @@ Trace::Trace(const RobotModel& robot, const std::filesystem::path& file) : kinem
     header += fmt::format(",target_{}", joint.name);
   header +=
       ",com_x,com_y,com_z,com_plan_x,com_plan_y,com_plan_z,zmp_x,zmp_y,zmp_plan_x,zmp_plan_y"
-      ",contact_left,contact_right,touch_left,touch_right,force_left,force_right\n";
+      ",contact_left,contact_right,touch_left,touch_right,force_left,force_right"
+      ",dcm_error_x,dcm_error_y\n";
   out_ << header;
 }
 
@@ -55,7 +56,9 @@ void Trace::add(const TickRecord& record) {
   numbers(zmp_plan.head<2>());
   fmt::format_to(to, ",{:d},{:d},{:d},{:d}", plan.contact.left, plan.contact.right, record.truth.touch.left,
                  record.truth.touch.right);
-  fmt::format_to(to, ",{:.10g},{:.10g}\n", record.truth.sole.left.force.z(), record.truth.sole.right.force.z());
+  numbers(Vec2(record.truth.sole.left.force.z(), record.truth.sole.right.force.z()));
+  numbers(nav.dcm_error());
+  row.push_back('\n');
   out_.write(row.data(), static_cast<std::streamsize>(row.size()));
 }
 
