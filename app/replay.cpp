@@ -44,6 +44,7 @@ int replay(const ReplayOptions& o) {
     }
     if (tick->fallen) navigator.fall();
     const std::string sum = checksum(navigator.tick(tick->measurement, tick->command));
+    navigator.poll();
     if (o.verify && sum != tick->checksum) return differs("other joint targets than were recorded");
     for (const PlanningEvent event : tick->events) {
       if (event == PlanningEvent::offer) {

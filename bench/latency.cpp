@@ -23,6 +23,7 @@ struct Run {
 
   void tick(const Command& command) {
     const JointTarget& target = navigator.tick(body.read(), command);
+    navigator.poll();
     body.write(target);
     q = target.q;
   }

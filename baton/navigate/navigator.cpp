@@ -26,7 +26,6 @@ constexpr double kReplacing = 0.1;        ///< between two replacements of a mot
 constexpr double kLeastFlight = 0.04;     ///< a foot that leaves or meets the ground sooner is not sent elsewhere [s]
 constexpr double kSameStick = 0.05;       ///< change of an axis or lift that does not count
 constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
-constexpr double kSameRest = 1e-5;        ///< of a joint [rad]
 constexpr double kTube = 0.02;            ///< error of the DCM with which nothing new is begun [COM height]
 constexpr double kInPlace = 1e-3;  ///< soles of a robot at rest that are not farther off are in place [COM height, rad]
 constexpr double kSameHeight = 4e-3;   ///< nor do heights that differ by less, as soles sink [COM height]
@@ -360,7 +359,9 @@ std::optional<Refusal> Planning::no_landing(const Motion& motion, const GuideCon
   const Posture& end = motion.end;
   if (end.contact.left && end.contact.right) return std::nullopt;
   const Side up = end.contact.left ? Side::right : Side::left;
-  GuideResult landings = guide_.landings({end, context.anchor, context.last_step, context.foothold}, up);
+  GuideContext there{end, context.anchor, context.last_step, context.foothold};
+  there.unsure = context.unsure;
+  GuideResult landings = guide_.landings(there, up);
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
     for (const Goal& goal : *goals) {
@@ -398,21 +399,61 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   if (!(command_ == refused_)) drop_refusal();
 
   if (motion_ && ++index_ == motion_->ticks()) end_of_motion();
-  take_over();
-
   sample_ = motion_ ? &motion_->samples[static_cast<std::size_t>(index_)] : &held_;
-  const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held_;
-  state_ = &estimator_.update(odometry_.update(measurement, *sample_), anchor_);
+  const Measurement& measured = odometry_.update(measurement, *sample_);
+  state_ = &estimator_.update(measured, anchor_);
   watch();
-  feel_ground();
+  if (take_over()) {  // the new motion begins where the old one is, in a planning frame of its own
+    sample_ = &motion_->samples.front();
+    state_ = &estimator_.update(measured, anchor_);
+  }
   if (guard_ == Guard::fallen || guard_ == Guard::stood_up) {
     soft_.q = measurement.q;
     return soft_;
   }
+  const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held_;
   const JointTarget& target = stabiliser_.target(*sample_, next, *state_);
   if (!motion_ || motion_->retraces) settle();  // a way back may be minutes long, and soles slide on each step of it
   if (!motion_ && command_.neutral()) way_ = anchor_;  // who sees it stand there goes on from there
   return target;
+}
+
+void Navigator::poll() {
+  past_motion_.reset();
+  past_refusal_.reset();
+  if (guard_ == Guard::stood_up && command_.neutral() && supported()) begin_anew();
+  if (slipped_) history_.clear();  // what led here does not lead back
+  if (slipped_ || !motion_ || !motion_->retraces) retraced_.reset();
+  forget();
+}
+
+void Navigator::watch() {
+  update_guard();
+  if (guard_ == Guard::fallen || guard_ == Guard::stood_up) return;
+  update_disturbed();
+  update_slip();
+  feel_ground();
+}
+
+void Navigator::update_disturbed() {
+  const double omega = robot_->omega();
+  const Vec3 error = state_->dcm(omega) - slid() * Vec3(sample_->com + sample_->dcom / omega);
+  dcm_error_ = (anchor_.R * error).head<2>();
+  disturbed_ = dcm_error_.norm() > (disturbed_ ? kBack : kTube) * robot_->profile().stance.com_height;
+}
+
+void Navigator::update_slip() {
+  for (const Side side : kSides) {
+    if (sample_->contact[side] && !odometry_.touch()[side]) return;  // only what stands can slide
+  }
+  const Pose stands = anchor_ * slid();
+  const double slip = apart(stands, anchor_, sample_->com);
+  const bool slipped = slip > kSlip * robot_->profile().reach.foot;
+  if (slipped && !slipped_) ++slips_;
+  slipped_ = slipped;
+  if (!slipped) return;
+  last_slip_ = slip;
+  way_ = stands;  // nor does the robot make up for so much
 }
 
 Pose Navigator::slid() const {
@@ -454,70 +495,57 @@ void Navigator::settle() {
 }
 
 std::optional<Problem> Navigator::request() {
-  const int lookahead = robot_->profile().tick.lookahead;
-  forget();
-  if (guard_ == Guard::stood_up && command_.neutral() && supported()) begin_anew();
   if (guard_ != Guard::armed || tick_ < 0 || waits_) return std::nullopt;
-  // Pushed off its way, or about to be: the motion under way ends at rest, and the robot stays there until it is back.
-  // Soles that slid have taken the plan with them.
-  const double omega = robot_->omega();
-  const Vec3 error = state_->dcm(omega) - slid() * Vec3(sample_->com + sample_->dcom / omega);
-  const double off = error.head<2>().norm() / robot_->profile().stance.com_height;
-  disturbed_ = off > (disturbed_ ? kBack : kTube);
-  const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
-  // A way back rests where it can once it is let go of, the robot is pushed, or soles slid too far for its margins.
-  const double most_slip = kSlip * robot_->profile().reach.foot;
-  const auto slid_too_far = [&] {
-    const double most = edges_near() ? kSlipByEdges * robot_->profile().margin.edge : most_slip;
-    return apart(anchor_, base_.anchor, sample_->com) > most;
-  };
-  const bool ends_back = on_the_way && motion_->retraces && (command_.neutral() || disturbed_ || slid_too_far());
-  const bool stops = command_.recall == Recall::stop || ends_back;
-  std::optional<Problem> due;
-  const std::optional<Problem::Tilted> tilted = this->tilted();
-  const bool leaves_tilted = tilted && motion_ && motion_->goal.swing == other(tilted->side);
-  const bool may_stay = (disturbed_ || leaves_tilted) && on_the_way && !stops;
-  if (disturbed_) due = problem_of_catching(error.head<2>());
-  std::optional<Problem> stays;
-  if (may_stay) stays = problem_of_staying(index_ + lookahead);
-  if (!due) due.swap(stays);
-  if (due || (disturbed_ && !stops)) {
-    // A step that catches it, a foot that stays down, or nothing.
-  } else if (stops) {
-    if (on_the_way) due = problem_of_stopping(index_ + lookahead);
-  } else if (on_the_way) {
-    if (replaceable(index_ + lookahead)) due = problem_on_the_way(index_ + lookahead);
-  } else if (!command_.neutral() || !rest().contact.left || !rest().contact.right) {
-    due = problem(command_);
-  }
+  std::optional<Problem> due = this->due();
   if (!due) return std::nullopt;
-  due->tilted = tilted;
-  const bool uneven = inclined_ > kUneven;
-  due->uneven = uneven;
-  if (stays) stays->uneven = uneven;
-  const double slip = apart(due->context.anchor, anchor_, sample_->com);
-  if (slip > most_slip) {
-    ++slips_;
-    last_slip_ = slip;
-    history_.clear();  // what led here does not lead back
-    retraced_.reset();
-    for (std::optional<Problem>* problem : {&due, &stays}) {
-      if (!*problem) continue;
-      (*problem)->trail.reset();
-      (*problem)->context.way = (*problem)->context.anchor;
-      (*problem)->context.back = {};
-    }
-    if (due->halt) return std::nullopt;
-  }
-  if (stays) due->otherwise = std::make_shared<const Problem>(*std::move(stays));
-  // What was refused would be refused again, from the same place.
-  const bool same_place = apart(due->context.anchor, refused_at_, sample_->com) < 1e-3;
-  const bool again = !motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_);
-  if (again && !due->catches) return std::nullopt;
   asked_at_ = tick_;
   asked_ = std::move(due);
   waits_ = true;
   return asked_;
+}
+
+std::optional<Problem> Navigator::due() const {
+  const int lookahead = robot_->profile().tick.lookahead;
+  const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
+  // A way back rests where it can once it is let go of, the robot is pushed, or soles slid too far for its margins.
+  const auto slid_too_far = [&] {
+    const Profile& profile = robot_->profile();
+    const double most = edges_near() ? kSlipByEdges * profile.margin.edge : kSlip * profile.reach.foot;
+    return apart(anchor_, base_.anchor, sample_->com) > most;
+  };
+  const bool ends_back = on_the_way && motion_->retraces && (command_.neutral() || disturbed_ || slid_too_far());
+  const bool stops = command_.recall == Recall::stop || ends_back;
+  const std::optional<Problem::Tilted> tilted = this->tilted();
+  const bool leaves_tilted = tilted && motion_ && motion_->goal.swing == other(tilted->side);
+  std::optional<Problem> due;
+  std::optional<Problem> stays;
+  // Pushed off its way, or about to be: the motion under way ends at rest, and the robot stays there until it is back.
+  if (disturbed_) due = problem_of_catching();
+  if ((disturbed_ || leaves_tilted) && on_the_way && !stops) stays = problem_of_staying(index_ + lookahead);
+  if (!due) due.swap(stays);
+  if (due || (disturbed_ && !stops)) {
+    // A step that catches it, a foot that stays down, or nothing.
+  } else if (on_the_way) {
+    if (stops) due = problem_of_stopping(index_ + lookahead);
+    if (!stops && replaceable(index_ + lookahead)) due = problem_on_the_way(index_ + lookahead);
+  } else if (!rest().contact.left || !rest().contact.right) {
+    due = problem(command_);
+  } else if (!stops && !command_.neutral()) {
+    due = problem(command_);
+  }
+  if (!due) return std::nullopt;
+  const bool uneven = inclined_ > kUneven;
+  due->tilted = tilted;
+  due->uneven = uneven;
+  if (stays) {
+    stays->uneven = uneven;
+    due->otherwise = std::make_shared<const Problem>(*std::move(stays));
+  }
+  // What was refused would be refused again, from the same place.
+  const bool same_place = apart(due->context.anchor, refused_at_, sample_->com) < 1e-3;
+  const bool again = !motion_ && ((refusal_ && refused_at_rest_ && same_place) || tick_ < not_before_);
+  if (again && !due->catches) return std::nullopt;
+  return due;
 }
 
 bool Navigator::edges_near() const {
@@ -653,7 +681,8 @@ Problem Navigator::problem_of_ending(int at) const {
   return due;
 }
 
-std::optional<Problem> Navigator::problem_of_catching(const Vec2& error) const {
+std::optional<Problem> Navigator::problem_of_catching() const {
+  const Vec2 error = (anchor_.R.transpose() * Vec3(dcm_error_.x(), dcm_error_.y(), 0)).head<2>();
   // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
   const double size = error.norm();
   const Vec2 holds = sample_->zmp + (1.0 + kReserve) * error;
@@ -773,8 +802,8 @@ void Navigator::put_refusal(Refusal& refusal) {
   std::swap(refusal_.emplace(), refusal);
 }
 
-void Navigator::take_over() {
-  if (!waits_ || asked_->take_over > tick_) return;
+bool Navigator::take_over() {
+  if (!waits_ || asked_->take_over > tick_) return false;
   waits_ = false;
   const bool answered = std::exchange(answered_, false);
   if (!answered) {
@@ -783,22 +812,22 @@ void Navigator::take_over() {
   }
   // At rest nothing is lost by waiting longer for the next answer.
   late_ = answered ? 0 : std::min(late_ + (motion_ ? 0 : 1), kMostLate);
-  if (!answered || guard_ != Guard::armed) return;
+  if (!answered || guard_ != Guard::armed) return false;
   PlanningResult& result = *offered_;
   const bool stops = result.command.recall == Recall::stop;
   const bool urgent = stops || result.catches.has_value();
-  if (disturbed_ && !urgent) return;  // pushed meanwhile
+  if (disturbed_ && !urgent) return false;  // pushed meanwhile
   // Let go of meanwhile: the motion under way ends at rest.
-  if (motion_ && !urgent && (command_.neutral() || command_.recall == Recall::stop)) return;
+  if (motion_ && !urgent && (command_.neutral() || command_.recall == Recall::stop)) return false;
   if (const auto* motion = std::get_if<Motion>(&result.outcome)) {
-    if (stops && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_) return;  // not sooner
+    if (stops && motion_ && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_) return false;  // not sooner
     motion_for_ = asked_for_ = result.command;
     catches_ = result.catches;
     caught_ += catches_.has_value() ? 1 : 0;
     commit(result);
-    return;
+    return true;
   }
-  if (urgent) return;  // the motion under way ends at rest
+  if (motion_ && urgent) return false;  // the motion under way ends at rest
   auto* refusal = std::get_if<Refusal>(&result.outcome);
   if (motion_) {
     // Not on the way; it is asked again where the motion can go on, or at rest.
@@ -814,6 +843,7 @@ void Navigator::take_over() {
     refused_at_ = result.context.anchor;
     not_before_ = tick_ + std::lround(kPatience / robot_->profile().tick.period);
   }
+  return false;
 }
 
 void Navigator::commit(PlanningResult& result) {
@@ -845,9 +875,6 @@ void Navigator::commit(PlanningResult& result) {
 }
 
 void Navigator::forget() {
-  past_motion_.reset();
-  past_refusal_.reset();
-  if (!motion_ || !motion_->retraces) retraced_.reset();
   if (!history_.empty() && !history_.back()) history_.clear();  // it never got to the rest that leads back
   long ticks = 0;
   auto oldest = history_.end();
@@ -857,7 +884,7 @@ void Navigator::forget() {
   history_.erase(history_.begin(), oldest);
 }
 
-void Navigator::watch() {
+void Navigator::update_guard() {
   const double height = robot_->profile().stance.com_height;
   const BySide<double>& load = odometry_.load();
   const double carried = (load.left + load.right) / (robot_->mass() * kGravity);
@@ -912,7 +939,6 @@ void Navigator::begin_anew() {
   history_.clear();
   retraced_.reset();
   halts_ = false;
-  disturbed_ = false;
   inclined_ = 0.0;
   drop_refusal();
   guard_ = Guard::armed;
@@ -921,8 +947,10 @@ void Navigator::begin_anew() {
 void Navigator::fall() {
   guard_ = Guard::fallen;
   guard_ticks_ = 0;
+  if (motion_) past_motion_ = std::move(motion_);
   motion_.reset();
   waits_ = answered_ = false;
+  disturbed_ = slipped_ = false;
   sample_ = &held_;
 }
 

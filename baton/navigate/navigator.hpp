@@ -63,7 +63,8 @@ struct PlanningResult {
   Command command;
   GuideContext context;
   std::variant<std::monostate, Motion, Refusal> outcome;
-  std::shared_ptr<const Trail> trail;  ///< with a motion: what it belongs to from then on, or retraces
+  /// With a motion: what it belongs to from then on, or retraces; with a part of a way back, what is left of that.
+  std::shared_ptr<const Trail> trail;
   std::optional<Vec2> catches{};       ///< as in the problem
 };
 
@@ -144,9 +145,15 @@ class Navigator {
   /// perfect state is to be used and the measurement has none.
   const JointTarget& tick(const Measurement& measurement, const Command& command);
 
+  /// What a tick leaves to be done because it takes memory or gives it back: frees what is over, forgets what cannot be
+  /// retraced any more, and arms a robot that was stood up after a fall. Called once after each tick, whether the
+  /// planner is busy or not.
+  void poll();
+
   /// The planning task that is due now, if one is: when the motion is about to end; on its way, where it can go on or
   /// the stick asks for something else, or to stop; at rest when the operator asks for something new, every 50 ms at
-  /// most while that is refused. To be answered by `offer`, before the take-over or else in vain.
+  /// most while that is refused. To be answered by `offer`, before the take-over or else in vain. Called after `poll`,
+  /// whenever the planner is free; a call that returns nothing changes nothing.
   [[nodiscard]] std::optional<Problem> request();
 
   /// The task that this command would be now, from where the robot rests next. Not before the first tick.
@@ -161,8 +168,11 @@ class Navigator {
   [[nodiscard]] long now() const { return tick_; }
   [[nodiscard]] Phase phase() const;
   [[nodiscard]] Guard guard() const { return guard_; }
-  /// Whether the DCM is so far off that nothing new is begun until it is back.
+  /// Whether the DCM is so far off that nothing new is begun until it is back: hysteresis from 0.02 to 0.01 of the
+  /// nominal COM height.
   [[nodiscard]] bool disturbed() const { return disturbed_; }
+  /// Estimated − planned DCM of this tick, along the axes of the world [m]; soles that slid have taken the plan along.
+  [[nodiscard]] const Vec2& dcm_error() const { return dcm_error_; }
   /// Number of the segment under way, counted from 0; −1 in hold.
   [[nodiscard]] long segment() const { return motion_ ? committed_ - 1 : -1; }
   [[nodiscard]] long committed() const { return committed_; }
@@ -170,7 +180,7 @@ class Navigator {
   [[nodiscard]] long caught() const { return caught_; }
   /// Whether the motion under way is one of them.
   [[nodiscard]] bool catching() const { return motion_ && catches_; }
-  /// How often soles were found to have slid, since the motion before was planned, too far for the way back to be kept.
+  /// How often soles were found to have slid too far from where they were planned for the way back to be kept.
   [[nodiscard]] long slips() const { return slips_; }
   [[nodiscard]] double last_slip() const { return last_slip_; }  ///< how far, the last time [m]
   /// The planned sample of this tick, in the planning frame.
@@ -194,8 +204,14 @@ class Navigator {
   [[nodiscard]] std::size_t history() const { return history_.size(); }
 
  private:
-  /// Looks at the state: whether the robot stands, falls, or is lifted.
+  /// What the measurements of this tick say.
   void watch();
+  /// Whether the robot stands, falls, or is lifted.
+  void update_guard();
+  /// Whether the DCM is off.
+  void update_disturbed();
+  /// Whether soles have slid.
+  void update_slip();
   /// Whether it stands on both feet, still, so that it could be armed.
   [[nodiscard]] bool stands_upright() const;
   /// Whether its COM is where it may rest.
@@ -211,7 +227,8 @@ class Navigator {
   /// Begins anew from where the robot stands, after a fall.
   void begin_anew();
   void end_of_motion();
-  void take_over();
+  /// Commits the answer that is due at this tick, or drops it. @returns whether a motion was committed
+  bool take_over();
   /// Swaps the motion in: what it replaces is left in `result`.
   void commit(PlanningResult& result);
   /// Keeps no more of what was executed than there is room for.
@@ -237,9 +254,10 @@ class Navigator {
   [[nodiscard]] std::optional<Problem> problem_of_staying(int at) const;
   /// From there, moving, to anything that ends what is under way: a foot in the air can only land.
   [[nodiscard]] Problem problem_of_ending(int at) const;
+  /// The task that is due now, if one is.
+  [[nodiscard]] std::optional<Problem> due() const;
   /// A step that takes the robot's feet to where the DCM goes, if no shift of the ZMP can hold it.
-  /// @param error of the DCM, in the planning frame [m]
-  [[nodiscard]] std::optional<Problem> problem_of_catching(const Vec2& error) const;
+  [[nodiscard]] std::optional<Problem> problem_of_catching() const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
   /// How far off the robot's place is taken to be: no more than leaves steps past edges [m].
@@ -271,7 +289,9 @@ class Navigator {
   Guard guard_ = Guard::armed;
   int guard_ticks_ = 0;          ///< for which what would change it has been so
   double inclined_ = 0.0;        ///< of a sole to the plan, the most of late [rad]
-  bool disturbed_ = false;       ///< the DCM is too far from where it should be for anything new
+  Vec2 dcm_error_ = Vec2::Zero();
+  bool disturbed_ = false;  ///< the DCM is too far from where it should be for anything new
+  bool slipped_ = false;    ///< soles stand too far from where they were planned for the way back to be kept
   std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
   long caught_ = 0;              ///< motions of that kind so far
   long slips_ = 0;

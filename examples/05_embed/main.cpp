@@ -46,6 +46,7 @@ int main() {
       mj_step(model.get(), body.get());
     }
     // After the targets are out: planning, here in the same thread; a program may use another.
+    navigator.poll();
     if (const auto problem = navigator.request()) navigator.offer(planning.plan(*problem));
   }
   const double forward = body->qpos[0] - start.q[0];

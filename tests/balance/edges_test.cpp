@@ -53,6 +53,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
       command.axes << ahead, std::abs(q[1]) > 0.15 ? -std::copysign(0.5, q[1]) : within(0.3), 0, 0, 0, within(0.3);
     }
     body.write(navigator.tick(body.read(), command));
+    navigator.poll();
     if (const auto problem = navigator.request()) navigator.offer(planning.plan(*problem));
     if (body.truth().fallen) {
       ADD_FAILURE() << body.truth().fall << " at " << body.truth().t;

@@ -19,6 +19,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
       change(measurement);
       const JointTarget& target = trip_.navigator().tick(measurement, command);
       soft_ = target.tau.isZero(0.0) && target.dq.isZero(0.0) && target.q == measurement.q;
+      trip_.navigator().poll();
       if (const auto problem = trip_.navigator().request()) trip_.navigator().offer(trip_.planning().plan(*problem));
     }
   }

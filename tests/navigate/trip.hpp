@@ -27,6 +27,7 @@ class Trip {
     const JointTarget& target = navigator_.tick(measurement, command);
     if (on_tick) on_tick(false);
     body_.write(target);
+    navigator_.poll();
     if (auto problem = navigator_.request()) {
       ++requests_;
       if (answer) navigator_.offer(planning_.plan(*problem));
