@@ -137,11 +137,12 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   write_whole(file, episodes.script(failure.episode, result));
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
-  std::string physics = fmt::format(" --state {} --seed {}", o.physics.state, seed);
+  std::string physics = fmt::format(" --state {}", o.physics.state);
   if (o.physics.drive) physics += fmt::format(" --drive {}", *o.physics.drive);
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
   if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
+  if (o.physics.scenario || faults_of(o.answers, 0).any()) physics += fmt::format(" --seed {}", seed);
   fmt::print(
       "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
       "--seconds {:.3f}\n",

@@ -123,7 +123,8 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     if (!touched[side]) gone_ += (foothold_[side] - footfall_[side]).head<2>().norm();
     footfall_[side] = foothold_[side];
   }
-  follow_map(planned);
+  const bool lands = !touched.left && !touched.right && total > 0.0;
+  follow_map(planned, lands);
   root.pose.p = place_;
   root.velocity = velocity_;
   first_ = false;
@@ -176,24 +177,28 @@ void Odometry::note_touch() {
     touch_[side] = load_[side] > (touch_[side] ? kLeaves : kTouches) * weight;
 }
 
-void Odometry::follow_map(const MotionSample& planned) {
+void Odometry::follow_map(const MotionSample& planned, bool lands) {
+  const double height = robot_->profile().stance.com_height;
   double off = 0.0;
   double stand = 0.0;
   Vec2 moved = Vec2::Zero();
   for (const Side side : kSides) {
-    if (!planned.contact[side] || !touch_[side]) continue;
+    if ((!planned.contact[side] && !lands) || !touch_[side]) continue;
     const std::optional<GroundPoint> ground = world_->ground(foothold_[side].head<2>());
     if (!ground) continue;
     if (const std::optional<Vec2> way = felt_edge(side, *ground)) {  // its height says nothing
-      moved += bounded(*way, period_ * kMoves * robot_->profile().stance.com_height);
+      moved += bounded(*way, period_ * kMoves * height);
       continue;
     }
     const double gap = ground->height - foothold_[side].z();
-    if (std::abs(gap) > kOnTheMap * robot_->profile().stance.com_height) continue;
+    if (std::abs(gap) > kOnTheMap * height && !lands) continue;
     off += load_[side] * gap;
     stand += load_[side];
   }
-  const Vec3 shift(moved.x(), moved.y(), stand > 0.0 ? period_ * kMap * off / stand : 0.0);
+  const double rise = stand > 0.0 ? off / stand : 0.0;
+  // Of a robot that was lifted, or fell, the height says nothing once it stands again.
+  const bool lost = lands && std::abs(rise) > kOnTheMap * height;
+  const Vec3 shift(moved.x(), moved.y(), lost ? rise : period_ * kMap * rise);
   place_ += shift;
   for (const Side side : kSides)
     foothold_[side] += shift;

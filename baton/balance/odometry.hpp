@@ -43,7 +43,8 @@ class Odometry {
                      const Vec3& drate);
   void smooth_speeds(const Measurement& measurement, const MotionSample& planned);
   void note_touch();
-  void follow_map(const MotionSample& planned);
+  /// @param lands no sole touched a tick ago, and one does now
+  void follow_map(const MotionSample& planned, bool lands);
   /// Of a sole that stands tilted on an edge of the ground: the way to where that is by the map [m], zero if it is
   /// there. Nothing of a sole that stands otherwise.
   [[nodiscard]] std::optional<Vec2> felt_edge(Side side, const GroundPoint& below) const;

@@ -236,6 +236,26 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
   EXPECT_GT(caught, 2);
 }
 
+TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
+  // Down the room's steps and on to the wall: at the edges the way back is a matter of millimetres.
+  const Scratch scratch;
+  const std::string script = R"({"t": 0.1, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
+{"t": 11.1}
+{"t": 14, "retrace": true}
+)";
+  const std::string file = scratch.path("r.json");
+  const auto x = [&](const std::string& seconds) {
+    const Outcome outcome = run({"drive", "--world", "room", "--fast", "--seconds", seconds, "--input",
+                                 "script:" + scratch.write("s.jsonl", script), "--report", file});
+    EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
+    return scratch.json("r.json")["final"]["com"][0].get<double>();
+  };
+  const double there = x("14");
+  EXPECT_GT(there, 0.8);
+  EXPECT_LT(x("34"), 0.35) << "back at the steps";
+  EXPECT_EQ(scratch.json("r.json")["segments"]["shrunk"].value("ground", 0), 1) << "and it says why no farther";
+}
+
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
   const double there = drive(kWalk, "4").first["final"]["com"][0];
   const double back =

@@ -4,7 +4,9 @@
 #include <fstream>
 
 #include "app/app.hpp"
+#include "app/outputs.hpp"
 #include "app/planning_thread.hpp"
+#include "app/stick.hpp"
 #include "baton/ik/stand.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
@@ -71,6 +73,35 @@ TEST_F(Replay, AlsoOfARunThatWaitedForNothing) {
   record("ideal", {});  // by the clock, planned on a thread of its own
   const Outcome again = run({"replay", file_, "--verify"});
   EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
+}
+
+TEST_F(Replay, AlsoOfARunThatIsPushedAndWhoseAnswersComeLateOrNever) {
+  long dropped = 0;
+  for (const char* scenario : {"push", "mix"}) {
+    for (const char* seed : {"1", "2", "3"}) {
+      for (const bool spoilt : {false, true}) {
+        SCOPED_TRACE(testing::Message() << scenario << ' ' << seed << ' ' << spoilt);
+        std::string script;
+        app::Stick stick(std::stoul(seed), 0.005);
+        for (int k = 0; k < 1600; ++k)
+          script += app::script_line(0.005 * k, stick.next()) + '\n';
+        const std::string report = scratch_.path("r.json");
+        std::vector<std::string> args{
+            "drive", "--world",  "flat",  "--input",    "script:" + scratch_.write("wild.jsonl", script),
+            "--fast", "--seconds", "8",    "--scenario", scenario,
+            "--seed", seed,        "--record", file_,   "--report",
+            report};
+        if (spoilt) args.insert(args.end(), {"--answer-delay", "60", "--answer-loss", "0.1"});
+        ASSERT_EQ(run(args).code, app::kDone);
+        const Outcome again = run({"replay", file_, "--verify"});
+        EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
+        const long late = std::stol(again.out.substr(again.out.find("segments, ") + 10));
+        EXPECT_TRUE(spoilt || late == 0) << late;
+        dropped += late;
+      }
+    }
+  }
+  EXPECT_GT(dropped, 10);
 }
 
 TEST_F(Replay, NoticesAnythingElse) {

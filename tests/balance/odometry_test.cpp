@@ -310,6 +310,26 @@ TEST_P(OdometryTest, HeightsAreSlowlyPulledToTheGround) {
   }
 }
 
+TEST_P(OdometryTest, PutDownAfterItWasLiftedItStandsOnTheGroundAgain) {
+  const MotionSample held = resting(robot_, home_);
+  const Measurement still = IdealRobot(robot_, home_, period_).read();
+  for (const double lifted : {0.2, 1.0, 3.0}) {
+    for (const double drift : {-0.5, 0.5}) {  // of the accelerometer [m/s²]
+      Odometry odometry(robot_, world_, StateSource::sensors, home_);
+      double highest = 0.0;
+      for (double t = 0.0; t < lifted; t += period_) {
+        Measurement measured = loaded(still, 0.0, 0.0);
+        measured.imu.acceleration.z() += drift;
+        highest = std::max(highest, std::abs(feed(odometry, measured, held).root->pose.p.z() - home_.q[2]));
+      }
+      Vec3 error = Vec3::Zero();
+      for (int tick = 0; tick < std::lround(1.0 / period_); ++tick)
+        error = feed(odometry, loaded(still, 0.5, 0.5), held).root->pose.p - home_.q.head<3>();
+      EXPECT_LT(std::abs(error.z()), 0.05 * size_) << lifted << " s, " << highest << " m";
+    }
+  }
+}
+
 TEST(OdometryByEdges, ASoleThatStandsOnAnEdgeTellsWhereTheRobotIs) {
   const RobotModel& robot = test::robot("mighty");
   const World room = World::load("room");  // the stage ends at 0.12, 15 mm higher than the tread

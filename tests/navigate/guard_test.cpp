@@ -118,6 +118,28 @@ TEST_P(GuardTest, WhoIsPushedBeginsNothingUntilItIsBack) {
   EXPECT_GE(trip_.navigator().committed(), 1);
 }
 
+TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
+  tick(0.3, {});
+  Navigator& navigator = trip_.navigator();
+  navigator.tick(trip_.body().read(), forward());
+  navigator.poll();
+  const std::optional<Problem> problem = navigator.request();
+  ASSERT_TRUE(problem);
+  navigator.offer(trip_.planning().plan(*problem));
+  while (navigator.now() < problem->take_over) {
+    Measurement measurement = trip_.body().read();
+    pushed()(measurement);
+    navigator.tick(measurement, forward());
+    navigator.poll();
+  }
+  EXPECT_TRUE(navigator.disturbed());
+  EXPECT_GT(navigator.dcm_error().norm(), 0.02 * robot_.profile().stance.com_height);
+  EXPECT_EQ(navigator.committed(), 0);
+  tick(0.5, {});
+  tick(0.1, forward());
+  EXPECT_GE(navigator.committed(), 1);
+}
+
 TEST_P(GuardTest, WhoIsPushedDoesNotLiftTheFootThatWasToStep) {
   tick(0.3, {});
   for (int k = 0; k < 400 && (trip_.navigator().motion() == nullptr || !trip_.navigator().motion()->goal.swing); ++k)

@@ -263,6 +263,7 @@ TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
     Measurement slid = measurement;
     slid.root->pose.p.x() += share * robot_.profile().reach.foot;
     run.navigator().tick(slid, back);
+    run.navigator().poll();
     const std::optional<Problem> problem = run.navigator().request();
     ASSERT_TRUE(problem.has_value());
     EXPECT_EQ(problem->trail != nullptr, share < 0.2);

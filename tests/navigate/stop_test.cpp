@@ -87,6 +87,39 @@ TEST_P(StopTest, StopsNeverLaterThanLettingGoAndMostlySooner) {
   RecordProperty("letting_go_s", std::to_string(letting_go / moving));
 }
 
+TEST_P(StopTest, PutsDownAFootThatIsInTheAirHoweverItGotThere) {
+  int up = 0;
+  for (int trial = 0; trial < 24; ++trial) {
+    std::mt19937_64 random(300 + trial);
+    std::uniform_real_distribution<double> uniform(0.2, 1.0);
+    const Side side = random() % 2 == 0 ? Side::left : Side::right;
+    Trip trip(robot_);
+    Command command;
+    command.guide = foot(side);
+    const auto hold = [&](double seconds) {
+      for (long k = std::lround(seconds * static_cast<double>(second_)); k > 0; --k)
+        trip.step(command);
+    };
+    command.axes[0] = uniform(random);
+    hold(uniform(random));
+    command.axes.setZero();
+    command.lift[side] = uniform(random);
+    hold(1.0 + uniform(random));
+    command.axes[1] = sign_of(side) * uniform(random);
+    hold(uniform(random));
+    command.axes.setZero();
+    command.lift[side] = 0.0;
+    hold(0.2 * uniform(random));  // the lever is back, and the foot on its way down, or not yet
+    up += trip.posture().contact[side] ? 0 : 1;
+    command.recall = Recall::stop;
+    hold(4.0);
+    EXPECT_TRUE(rests(trip)) << trial;
+    const BySide<bool>& contact = trip.navigator().sample().contact;
+    EXPECT_TRUE(contact.left && contact.right) << trial;
+  }
+  RecordProperty("up", up);
+}
+
 TEST_P(StopTest, NothingBeginsWhileItIsHeldWhateverTheStickDoes) {
   Trip trip(robot_);
   Command command = recall(Recall::stop);

@@ -1,0 +1,134 @@
+/// A way back that cannot be taken whole.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "baton/plan/retrace.hpp"
+#include "tests/navigate/trip.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/temp.hpp"
+
+namespace baton {
+namespace {
+
+class RetracePartTest : public testing::TestWithParam<std::string> {
+ protected:
+  /// The floor from `x` on only: what lies behind has been taken away [m].
+  static World floor_from(double x) {
+    const std::string file = test::temp_folder() + "floor.xml";
+    std::ofstream(file) << fmt::format(
+        R"(<mujoco><worldbody><site name="start"/><geom name="ground" type="box" pos="{} 0 -1" size="9 9 1"/>)"
+        R"(</worldbody></mujoco>)",
+        x + 9.0);
+    return World{file};
+  }
+
+  static Command retrace() {
+    Command command;
+    command.recall = Recall::retrace;
+    return command;
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  const double height_ = robot_.profile().stance.com_height;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, RetracePartTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
+  test::Trip trip(robot_);
+  Command walk;
+  walk.axes[0] = 1.0;
+  walk.axes[5] = 0.1;
+  const double period = robot_.profile().tick.period;
+  for (double t = 0.0; t < 6.0 * std::sqrt(height_ / 0.26); t += period)
+    trip.step(walk);
+  while (trip.navigator().motion() != nullptr)
+    trip.step({});
+  const Problem problem = trip.navigator().problem(retrace());
+  ASSERT_TRUE(problem.trail);
+  const double here = problem.start.com.x();
+  ASSERT_GT(here, 0.8 * height_);
+  const double stride = robot_.profile().region.foot_x.hi;
+
+  int parts = 0;
+  double end_before = -1.0;
+  for (double x = -1.5 * height_; x < here + 0.1 * height_; x += 0.07 * height_) {
+    SCOPED_TRACE(testing::Message() << "floor from " << x << " of " << here);
+    const World world = floor_from(x);
+    Planning planning(robot_, world);
+    const PlanningResult result = planning.plan(problem);
+    const auto* motion = std::get_if<Motion>(&result.outcome);
+    if (motion == nullptr) {
+      EXPECT_EQ(std::get<Refusal>(result.outcome).reason, Reason::ground);
+      EXPECT_GT(x, here - 3.0 * stride) << "there were rests on the way";
+      continue;
+    }
+    EXPECT_TRUE(motion->retraces);
+    Motion copy = *motion;
+    EXPECT_TRUE(std::holds_alternative<Certificate>(Verifier(robot_, world).verify(copy, problem.context.anchor)));
+    EXPECT_TRUE(motion->samples.front().dq.isZero(0.0) && motion->samples.back().dq.isZero(0.0));
+    EXPECT_GE(motion->end.com.x(), end_before) << "more floor, and not so far";
+    end_before = motion->end.com.x() - 1e-9;
+    if (!motion->limit) {
+      EXPECT_EQ(motion->end.q, problem.trail->start.q);
+      continue;
+    }
+    ++parts;
+    EXPECT_EQ(motion->limit->reason, Reason::ground);
+    EXPECT_TRUE(motion->end.contact.left && motion->end.contact.right);
+    EXPECT_LT(motion->end.com.x() - x, 3.0 * stride) << "it could have gone farther";
+    // What is left of the way back goes on from there, to the bit.
+    const Motion left = reversed(robot_, *result.trail);
+    EXPECT_EQ(left.samples.front().q, motion->end.q);
+    EXPECT_EQ(left.end.q, problem.trail->start.q);
+    // Where commands are not done in part, it is refused.
+    Planning strict(robot_, world, {.on_limit = OnLimit::discard});
+    EXPECT_TRUE(std::holds_alternative<Refusal>(strict.plan(problem).outcome));
+  }
+  EXPECT_GT(parts, 8);
+}
+
+TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysKnown) {
+  test::Trip trip(robot_);
+  Command walk;
+  walk.axes[0] = 1.0;
+  const double period = robot_.profile().tick.period;
+  const auto ticks = [&](double seconds) { return std::lround(seconds * std::sqrt(height_ / 0.26) / period); };
+  for (long k = ticks(6.0); k > 0; --k)
+    trip.step(walk);
+  while (trip.navigator().motion() != nullptr)
+    trip.step({});
+  const Posture home = trip.home();
+  const World world = floor_from(home.sole.left.p.x() + 0.2 * height_);
+  Planning planning(robot_, world);
+  Navigator& navigator = trip.navigator();
+  const auto step = [&](const Command& command, Planning& planner) {
+    trip.body().write(navigator.tick(trip.body().read(), command));
+    navigator.poll();
+    if (const auto problem = navigator.request()) navigator.offer(planner.plan(*problem));
+  };
+  // Again and again it is let go of on its way to the edge of the floor.
+  for (int press = 0; press < 12; ++press) {
+    for (long k = ticks(0.8); k > 0; --k)
+      step(retrace(), planning);
+    for (long k = ticks(4.0); k > 0 && (k > ticks(3.9) || navigator.motion() != nullptr); --k)
+      step({}, planning);
+    ASSERT_EQ(navigator.motion(), nullptr);
+    ASSERT_EQ(navigator.history(), 1u);
+  }
+  step(retrace(), planning);
+  ASSERT_EQ(navigator.motion(), nullptr) << "at the edge it has come as far as it can";
+  // With the floor there again, all the way home.
+  for (long k = ticks(0.2); k > 0; --k)
+    step({}, planning);
+  for (long k = ticks(30.0); k > 0 && (navigator.history() > 0 || navigator.motion() != nullptr); --k)
+    step(retrace(), trip.planning());
+  EXPECT_EQ(navigator.history(), 0u);
+  for (const Side side : kSides)
+    EXPECT_LT((trip.posture().sole[side].p - home.sole[side].p).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace baton
