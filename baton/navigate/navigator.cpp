@@ -954,6 +954,22 @@ void Navigator::fall() {
   sample_ = &held_;
 }
 
+Intent Navigator::intent() const {
+  if (!motion_) return Intent::none;
+  if (catches_) return Intent::capture;
+  switch (motion_for_.recall) {
+    case Recall::retrace:
+      return Intent::retrace;
+    case Recall::home:
+      return Intent::home;
+    case Recall::stop:
+      return Intent::stop;
+    case Recall::none:
+      break;
+  }
+  return Intent::follow;
+}
+
 Phase Navigator::phase() const {
   if (guard_ == Guard::fallen || guard_ == Guard::stood_up) return Phase::fallen;
   if (!motion_) return Phase::hold;

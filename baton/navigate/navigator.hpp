@@ -132,6 +132,21 @@ enum class Phase { hold, double_support, single_left, single_right, fallen };
   return names[static_cast<std::size_t>(phase)];
 }
 
+/// What the motion under way is for.
+enum class Intent {
+  none,     ///< there is no motion
+  follow,   ///< it follows the stick, or puts down a foot that was let go of
+  retrace,  ///< back along what was done
+  home,     ///< to the stance that the robot began in
+  stop,     ///< to rest, on the way or on a way back
+  capture,  ///< a step that catches the robot
+};
+
+[[nodiscard]] constexpr std::string_view to_string(Intent intent) {
+  constexpr std::array<std::string_view, 6> names{"none", "follow", "retrace", "home", "stop", "capture"};
+  return names[static_cast<std::size_t>(intent)];
+}
+
 class Navigator {
  public:
   /// Robot and world must outlive the object.
@@ -167,6 +182,7 @@ class Navigator {
 
   [[nodiscard]] long now() const { return tick_; }
   [[nodiscard]] Phase phase() const;
+  [[nodiscard]] Intent intent() const;
   [[nodiscard]] Guard guard() const { return guard_; }
   /// Whether the DCM is so far off that nothing new is begun until it is back: hysteresis from 0.02 to 0.01 of the
   /// nominal COM height.

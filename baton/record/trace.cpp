@@ -25,7 +25,7 @@ Trace::Trace(const RobotModel& robot, const std::filesystem::path& file) : kinem
   header +=
       ",com_x,com_y,com_z,com_plan_x,com_plan_y,com_plan_z,zmp_x,zmp_y,zmp_plan_x,zmp_plan_y"
       ",contact_left,contact_right,touch_left,touch_right,force_left,force_right"
-      ",dcm_error_x,dcm_error_y\n";
+      ",dcm_error_x,dcm_error_y,intent\n";
   out_ << header;
 }
 
@@ -58,7 +58,7 @@ void Trace::add(const TickRecord& record) {
                  record.truth.touch.right);
   numbers(Vec2(record.truth.sole.left.force.z(), record.truth.sole.right.force.z()));
   numbers(nav.dcm_error());
-  row.push_back('\n');
+  fmt::format_to(to, ",{}\n", to_string(nav.intent()));
   out_.write(row.data(), static_cast<std::streamsize>(row.size()));
 }
 

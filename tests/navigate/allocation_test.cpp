@@ -1,10 +1,12 @@
 /// The tick asks for no memory and gives none back.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <random>
 #include <utility>
 
+#include "tests/navigate/fuzzed_run.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
 
@@ -106,6 +108,20 @@ TEST_F(AllocationTest, NoTickOfARandomRunAllocates) {
       }
       EXPECT_GT(trip.navigator().committed(), 40);
     }
+  }
+}
+
+TEST_F(AllocationTest, NorWhenItIsPushedSlipsIsLiftedFallsAndAnswersAreLate) {
+  const World world = World::load("flat");
+  for (const std::uint64_t seed : {1, 2, 4, 5, 7, 8}) {
+    test::FuzzedRun run(test::robot("mighty"), world, seed);
+    long most = 0;
+    run.on_tick = [&](bool begins) {
+      counting = begins;
+      most = std::max(most, std::exchange(calls, 0));
+    };
+    run.drive(10.0);
+    EXPECT_EQ(most, 0) << "seed " << seed;
   }
 }
 

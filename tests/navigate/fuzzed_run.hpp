@@ -331,6 +331,9 @@ class FuzzedRun {
     ASSERT_NE(answer, answers_.rend()) << k << ": nothing was planned for this tick";
     const auto number = static_cast<std::size_t>(std::distance(answer, answers_.rend())) - 1;
     const bool stops = answer->command.recall == Recall::stop || halts_[number];
+    const Intent intent = navigator_.intent();
+    ASSERT_EQ(intent == Intent::capture, answer->catches.has_value()) << k;
+    ASSERT_EQ(intent == Intent::stop, stops && !answer->catches) << k;
     Motion copy = *motion;
     if (answer->catches) {
       ++tally_.catches;
