@@ -16,7 +16,7 @@ void save_png(const std::filesystem::path& file, const Image& image) {
   png.height = static_cast<png_uint_32>(image.height);
   png.format = PNG_FORMAT_RGB;
   if (png_image_write_to_file(&png, file.c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
-    throw InputError(fmt::format("picture {}: cannot be written: {}", file.string(), png.message));
+    throw std::runtime_error(fmt::format("picture {}: could not be written whole: {}", file.string(), png.message));
   }
 }
 
