@@ -150,6 +150,10 @@ int reproduce_room(const std::filesystem::path& out) {
   }
   const bool reached = longest >= 1.0 && !session.fallen();
   outputs.write(world.name(), "sim", 0, seconds_since(wall));
+  if (interrupted) {
+    spdlog::warn("interrupted: no figures");
+    return kFailed;
+  }
   const nlohmann::json summary = {{"falls", session.fallen() ? 1 : 0},
                                   {"duration_s", reached ? reached_at : session.t()},
                                   {"reached", reached},
