@@ -1,4 +1,4 @@
-/// The devices that may drive: which of them counts at the moment.
+/// What is read: the devices that may drive, and which of them counts at the moment; what files name.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,20 @@
 #include <vector>
 
 #include "baton/input/device.hpp"
+#include "baton/model/error.hpp"
 
 namespace baton::app {
+
+/// What `load` returns.
+/// @param place file, and line, that names what is loaded: messages begin with it
+template <typename Load>
+auto named_in(const std::string& place, const Load& load) {
+  try {
+    return load();
+  } catch (const InputError& error) {
+    throw InputError(place + ": " + error.what());
+  }
+}
 
 class Inputs {
  public:

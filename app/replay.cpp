@@ -6,9 +6,9 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/inputs.hpp"
 #include "app/session.hpp"
 #include "baton/ik/stand.hpp"
-#include "baton/model/error.hpp"
 #include "baton/record/recording.hpp"
 
 namespace baton::app {
@@ -27,15 +27,8 @@ bool same_bits(const VecX& a, const VecX& b) {
 int replay(const ReplayOptions& o) {
   RecordingReader recording(o.recording);
   const RecordingHead& head = recording.head();
-  const auto named_in_it = [&recording](const auto& load) {
-    try {
-      return load();
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", recording.place(), error.what()));
-    }
-  };
-  const RobotModel robot = named_in_it([&] { return load_robot(head.robot, head.drive); });
-  const World world = named_in_it([&] { return World::load(head.world); });
+  const RobotModel robot = named_in(recording.place(), [&] { return load_robot(head.robot, head.drive); });
+  const World world = named_in(recording.place(), [&] { return World::load(head.world); });
   const Modes modes = modes_of({head.duration, head.gait, head.on_limit});
   Navigator navigator(robot, world, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait,
                       state_named(head.state));
