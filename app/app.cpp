@@ -291,7 +291,7 @@ int run(const std::vector<std::string>& args) {
     fmt::print(stderr, "baton: {}\n", error.what());
     code = kBadInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "baton: {}\n", error.what());
+    fmt::print(stderr, "baton: {}{}\n", std::ferror(stdout) != 0 ? "standard output: " : "", error.what());
   }
   if (std::fflush(stdout) != 0) {
     fmt::print(stderr, "baton: standard output: could not be written whole: {}\n", std::strerror(errno));

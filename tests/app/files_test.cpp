@@ -102,7 +102,7 @@ TEST_F(Outputs, SoIsStandardOutput) {
   close(full);
   std::clearerr(stdout);
   EXPECT_EQ(code, app::kFailed);
-  EXPECT_NE(said, "");
+  EXPECT_THAT(said, HasSubstr("standard output: "));
 }
 
 TEST_F(Outputs, AnOlderReportStaysUntilTheNewOneIsWhole) {
