@@ -18,7 +18,8 @@ struct Image {
   [[nodiscard]] const std::uint8_t* row(int y) const { return rgb.data() + static_cast<std::size_t>(y) * width * 3; }
 };
 
-/// @throws std::runtime_error the file could not be written whole
+/// @throws InputError the file cannot be written
+/// @throws std::runtime_error it could not be written whole
 void save_png(const std::filesystem::path& file, const Image& image);
 
 /// @throws InputError no such file, or not a PNG
