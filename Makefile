@@ -11,9 +11,15 @@ PAGE_SOURCES := $(if $(PAGE),$(shell find web \( -name node_modules -o -name dis
 has_script = $(shell grep -s '"$(1)" *:' web/package.json)
 PYTHON_TESTS := $(shell find tests -name 'test_*.py' 2>/dev/null)
 
+# CMake remembers absolute paths: after this checkout was moved or copied, a build folder would go on building the
+# sources at the old place. `moved` is not empty for such a folder; `forget` removes it.
+moved = $(shell there=$$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' $(1)/CMakeCache.txt 2>/dev/null); \
+  [ -z "$$there" ] || [ "$$there" -ef . ] || echo yes)
+forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: making it anew" && rm -rf $(1))
+
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-cpp test-page test-python sanitize ci-clang bench format lint setup setup-test setup-dev clean
+.PHONY: help run build page test test-cpp test-page test-python sanitize ci-clang bench format lint setup setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -46,11 +52,13 @@ ifneq ($(PYTHON_TESTS),)
 endif
 
 sanitize: setup-test ## build with the sanitizers and run the C++ tests
+	$(call forget,build/sanitize)
 	cmake --preset sanitize
 	cmake --build --preset sanitize
 	ctest --preset sanitize -j$(JOBS)
 
 ci-clang: setup-dev ## build with clang, warnings as errors
+	$(call forget,build/clang)
 	cmake --preset clang
 	cmake --build --preset clang
 
@@ -75,8 +83,11 @@ setup-dev:
 clean: ## remove what was built (not what was installed)
 	rm -rf build web/dist
 
-$(BUILD)/build.ninja: | setup
+$(BUILD)/build.ninja: $(if $(call moved,$(BUILD)),anew) | setup
+	$(call forget,$(BUILD))
 	cmake --preset release
+
+anew:
 
 web/dist/index.html: $(PAGE_SOURCES) | setup
 	cd web && npm run --silent build

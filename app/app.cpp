@@ -6,9 +6,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
 #include <csignal>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <optional>
 
 #include "app/commands.hpp"
+#include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::app {
@@ -20,6 +29,52 @@ namespace {
 void on_interrupt(int /*signal*/) {
   interrupted = true;
 }
+
+constexpr std::array<int, 3> kEnding{SIGINT, SIGTERM, SIGHUP};  ///< signals that bring a run to its end
+
+/// The text as a number, all of it.
+template <typename Number>
+std::optional<Number> number_in(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Takes only what `fits`, and says what that is.
+template <typename Number>
+CLI::Validator taking(const std::string& wanted, std::function<bool(Number)> fits) {
+  const auto check = [wanted, fits](std::string& text) -> std::string {
+    const std::optional<Number> value = number_in<Number>(text);
+    if (!value || !fits(*value)) return fmt::format("{} is not {}", shortened(text, 40), wanted);
+    text = fmt::format("{}", *value);  // CLI11 would take 010 for 8
+    return "";
+  };
+  return {check, "", ""};
+}
+
+CLI::Validator whole(long least, long most) {
+  const bool any = most == std::numeric_limits<long>::max();
+  return taking<long>(any && least == std::numeric_limits<long>::min() ? "a whole number"
+                      : any ? fmt::format("a whole number of at least {}", least)
+                            : fmt::format("a whole number from {} to {}", least, most),
+                      [least, most](long value) { return value >= least && value <= most; });
+}
+
+CLI::Validator number(double least, double most) {
+  return taking<double>(fmt::format("a number from {} to {}", least, most),
+                        [least, most](double value) { return value >= least && value <= most; });
+}
+
+CLI::Validator above_zero(double most) {
+  return taking<double>(fmt::format("a number above 0, up to {}", most),
+                        [most](double value) { return value > 0.0 && value <= most; });
+}
+
+constexpr double kLongestRun = 1e6;   ///< [s]
+constexpr double kLongestSoak = 1e5;  ///< [h]
+constexpr long kAnyWhole = std::numeric_limits<long>::max();
 
 void add_modes(CLI::App& command, ModeOptions& modes) {
   command.add_option("--gait", modes.gait, "flow: motions are replaced on their way; stop: each comes to rest first")
@@ -46,7 +101,7 @@ void add_physics(CLI::App& command, PhysicsOptions& physics) {
                      "Physics that is not the model, by --seed (docs/balance.md lists them)");
   command.add_option("--times", physics.times, "Factor on how far it is from the model")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0));
+      ->transform(number(0.0, 100.0));
 }
 
 void add_answers(CLI::App& command, AnswerOptions& answers) {
@@ -54,10 +109,10 @@ void add_answers(CLI::App& command, AnswerOptions& answers) {
       .add_option("--answer-delay", answers.delay_ms,
                   "Answers of the planner come late, each by 0 to this many ms, at random by --seed")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 10000.0));
+      ->transform(number(0.0, 10000.0));
   command.add_option("--answer-loss", answers.loss, "Share of the planner's answers that are lost, at random by --seed")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
+      ->transform(number(0.0, 1.0));
 }
 
 void add_drive(CLI::App& command, DriveOptions& o) {
@@ -71,13 +126,16 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   add_modes(command, o.modes);
   add_physics(command, o.physics);
   add_answers(command, o.answers);
-  command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")->check(CLI::PositiveNumber);
-  command.add_option("--seed", o.seed, "Of the scenario and of what goes wrong with answers; recorded in the report")->capture_default_str();
+  command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")
+      ->transform(above_zero(kLongestRun));
+  command.add_option("--seed", o.seed, "Of the scenario and of what happens to answers; recorded in the report")
+      ->capture_default_str()
+      ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_flag("--headless", o.headless, "No page");
   command.add_flag("--fast", o.fast, "Do not wait for the clock on the wall (needs --seconds; no page)");
   command.add_option("--port", o.port, "Port of the page; 0: any that is free")
       ->capture_default_str()
-      ->check(CLI::Range(0, 65535));
+      ->transform(whole(0, 65535));
   command.add_option("--trace", o.trace, "Write every tick to this .csv file");
   command.add_option("--save-model", o.save_model, "Write the model that is stepped to this .xml file");
   command.add_option("--report", o.report, "Write the run in numbers to this .json file");
@@ -89,22 +147,39 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   add_modes(command, o.modes);
   add_physics(command, o.physics);
   add_answers(command, o.answers);
-  command.add_option("--seeds", o.seeds, "Of a scenario, from --seed on: one episode each")->check(CLI::PositiveNumber);
+  command.add_option("--seeds", o.seeds, "Of a scenario, from --seed on: one episode each")
+      ->transform(whole(1, kAnyWhole));
   command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")->check(CLI::PositiveNumber);
-  command.add_option("--seed", o.seed, "Of the sticks, scenarios and what goes wrong with answers")->capture_default_str();
+      ->transform(whole(1, kAnyWhole));
+  command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")
+      ->transform(above_zero(kLongestSoak));
+  command.add_option("--seed", o.seed, "Of sticks, scenarios and what happens to answers")
+      ->capture_default_str()
+      ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_option("--robot", o.robot, "Robot")->capture_default_str();
   command.add_option("--world", o.world, "World")->capture_default_str();
   command.add_option("--jobs", o.jobs, "Threads; the result does not depend on it")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1024));
+      ->transform(whole(1, 1024));
   command
       .add_option("--episode", o.episode,
                   "Simulated seconds from one fresh start to the next; 120, or what a scenario takes")
-      ->check(CLI::Range(0.1, 36000.0));
+      ->transform(number(0.1, 36000.0));
   command.add_flag("--resume", o.resume, "Go on where the report's run ended");
   command.add_option("--report", o.report, "Write what came of it to this .json file; needed but with --scenario");
+}
+
+/// @throws InputError a command lacks what it needs
+void complain_of_missing(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    for (const CLI::Option* option : command->get_options()) {
+      if (!option->get_required() || option->count() > 0) continue;
+      std::string name = option->get_name();
+      for (char& c : name)
+        c = option->get_positional() ? static_cast<char>(std::toupper(c)) : c;
+      throw InputError(fmt::format("{}: {} is missing: {}", command->get_name(), name, option->get_description()));
+    }
+  }
 }
 
 int parse_and_run(std::vector<std::string> args) {
@@ -136,7 +211,7 @@ int parse_and_run(std::vector<std::string> args) {
 
   plan_command->add_option("--seconds", plan_options.seconds, "How long the script's last line is held")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->transform(number(0.0, 86400.0));
   add_modes(*plan_command, plan_options.modes);
   plan_command->add_option("--out", plan_options.out, "Folder: write each motion to a file, for baton verify");
 
@@ -164,13 +239,14 @@ int parse_and_run(std::vector<std::string> args) {
       ->capture_default_str()
       ->check(CLI::IsMember({"sim", "ideal"}));
   operate_command->add_option("--seed", operate_options.seed, "Of the random start on the stage")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   operate_command->add_flag("--exact-start", operate_options.exact_start, "Begin at the world's start instead");
   operate_command->add_flag("--foot-by-foot", operate_options.foot_by_foot,
                             "Guide the feet down the steps, as in the paper, also with --gait flow");
   operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which it gives up")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->transform(above_zero(kLongestRun));
   add_modes(*operate_command, operate_options.modes);
   add_physics(*operate_command, operate_options.physics);
   operate_command->add_option("--report", operate_options.report, "Write the run in numbers to this .json file");
@@ -190,6 +266,9 @@ int parse_and_run(std::vector<std::string> args) {
   try {
     std::reverse(args.begin(), args.end());
     app.parse(args);
+  } catch (const CLI::RequiredError& error) {
+    complain_of_missing(app);
+    throw InputError(error.what());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error) == 0 ? kDone : kFailed;
     throw InputError(error.what());
@@ -213,8 +292,11 @@ int run(const std::vector<std::string>& args) {
   if (!spdlog::get("baton")) spdlog::set_default_logger(spdlog::stderr_color_mt("baton"));
   spdlog::set_pattern("%^%l%$: %v");
   interrupted = false;
-  const auto before_int = std::signal(SIGINT, on_interrupt);
-  const auto before_term = std::signal(SIGTERM, on_interrupt);
+  std::array<void (*)(int), kEnding.size()> before{};
+  for (std::size_t i = 0; i < kEnding.size(); ++i) {
+    before[i] = std::signal(kEnding[i], on_interrupt);
+    if (kEnding[i] == SIGHUP && before[i] == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+  }
   int code = kFailed;
   try {
     code = parse_and_run(args);
@@ -222,10 +304,14 @@ int run(const std::vector<std::string>& args) {
     fmt::print(stderr, "baton: {}\n", error.what());
     code = kBadInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "baton: {}\n", error.what());
+    fmt::print(stderr, "baton: {}{}\n", std::ferror(stdout) != 0 ? "standard output: " : "", error.what());
   }
-  std::signal(SIGINT, before_int);
-  std::signal(SIGTERM, before_term);
+  if (std::fflush(stdout) != 0) {
+    fmt::print(stderr, "baton: standard output: could not be written whole: {}\n", std::strerror(errno));
+    if (code == kDone) code = kFailed;
+  }
+  for (std::size_t i = 0; i < kEnding.size(); ++i)
+    std::signal(kEnding[i], before[i]);
   return code;
 }
 

@@ -8,7 +8,7 @@
 
 namespace baton::app {
 
-/// Set by Ctrl-C: come to rest, write what was asked for, end.
+/// Set by SIGINT (Ctrl-C), SIGTERM and SIGHUP: come to rest, write what was asked for, end.
 extern std::atomic<bool> interrupted;
 
 struct ModeOptions {

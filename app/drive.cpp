@@ -32,9 +32,15 @@ int drive(const DriveOptions& o) {
   if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: without a clock only that ends the run");
   const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.world);
-  Inputs inputs(o.input);
+  Inputs inputs(o.input, o.fast);
+  if (o.input == "page" && (o.headless || o.fast))
+    throw InputError("--input page needs the page: leave out --headless and --fast");
   Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt,
                   parameters_of(o.physics, robot, o.on, o.seed), modes_of(o.modes), state_named(o.physics.state));
+  std::vector<NamedFile> read = files_read(o.robot, robot, world);
+  read.push_back({"--input", inputs.script()});
+  check_distinct({{"--report", o.report}, {"--trace", o.trace}, {"--save-model", o.save_model}, {"--record", o.record}},
+                 read);
   Outputs outputs(robot, session, o.report, o.trace, o.save_model);
 
   if (o.record) {
@@ -54,12 +60,14 @@ int drive(const DriveOptions& o) {
 
   std::optional<View> view;
   if (!o.headless && !o.fast) {
-    view.emplace(session, o.port);
+    try {
+      view.emplace(session, o.port);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("--port {}: {}", o.port, error.what()));
+    }
     inputs.add_page(view->device());
     fmt::print("page at {}\n", view->url());
     std::fflush(stdout);
-  } else if (o.input == "page") {
-    throw InputError("--input page needs the page: leave out --headless and --fast");
   }
 
   Durations used, interval;

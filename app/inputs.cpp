@@ -5,18 +5,24 @@
 
 #include <algorithm>
 
+#include "app/commands.hpp"
 #include "baton/input/joystick.hpp"
 #include "baton/input/script.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::app {
 
-Inputs::Inputs(const std::string& choice) : choice_(choice) {
-  const std::string script = "script:";
-  if (choice.starts_with(script)) {
-    owned_.push_back(std::make_unique<Script>(Script::load(choice.substr(script.size()))));
+Inputs::Inputs(const std::string& choice, bool fast) : choice_(choice) {
+  if (const auto file = script()) {
+    owned_.push_back(std::make_unique<Script>(Script::load(*file, interrupted)));
   } else if (choice == "joystick") {
-    owned_.push_back(std::make_unique<Joystick>());
+    auto joystick = std::make_unique<Joystick>();
+    static_cast<void>(joystick->read(0.0));  // looks for one
+    if (const DeviceStatus status = joystick->status(); !status.connected) {
+      if (fast) throw InputError(fmt::format("--input joystick with --fast waits for nobody: {}", status.hint));
+      spdlog::warn("--input joystick: there is none yet: {}", status.hint);
+    }
+    owned_.push_back(std::move(joystick));
   } else if (choice == "auto") {
     try {
       owned_.push_back(std::make_unique<Joystick>());
@@ -28,6 +34,12 @@ Inputs::Inputs(const std::string& choice) : choice_(choice) {
   }
   for (const auto& device : owned_)
     devices_.push_back(device.get());
+}
+
+std::optional<std::filesystem::path> Inputs::script() const {
+  const std::string script = "script:";
+  if (!choice_.starts_with(script)) return std::nullopt;
+  return choice_.substr(script.size());
 }
 
 void Inputs::add_page(Device& page) {

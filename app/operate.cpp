@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <fstream>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
@@ -29,8 +28,11 @@ int operate(const OperateOptions& o) {
 
   Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture,
                   parameters_of(o.physics, robot, o.on, o.seed), modes_of(o.modes), state_named(o.physics.state));
+  check_distinct({{"--report", o.report}, {"--trace", o.trace}, {"--script", o.script}},
+                 files_read(o.robot, robot, world));
   Outputs outputs(robot, session, o.report, o.trace, std::nullopt);
-  std::optional<std::ofstream> script = open_output(o.script, "--script");
+  std::optional<std::ofstream> script;
+  if (o.script) script = open_stream(*o.script, "--script");
   RoomOperator::Parameters parameters;
   parameters.foot_by_foot = o.foot_by_foot;
   RoomOperator person(robot, world, static_cast<std::uint64_t>(o.seed) + 1, modes_of(o.modes).gait, parameters);
@@ -68,6 +70,7 @@ int operate(const OperateOptions& o) {
   const bool reached = best >= 1.0 && !session.fallen();
   const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", error}, {"task", o.task}};
   outputs.write(world.name(), o.on, o.seed, seconds_since(wall), extra);
+  if (script) close_stream(*script, *o.script, "--script");
   fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached",
              session.t(), 1e3 * error, session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
   if (session.fallen()) return kFallen;

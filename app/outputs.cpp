@@ -7,12 +7,40 @@
 #include "baton/model/error.hpp"
 
 namespace baton::app {
+namespace {
 
-std::optional<std::ofstream> open_output(const std::optional<std::filesystem::path>& file, const std::string& option) {
-  if (!file) return std::nullopt;
-  std::ofstream out(*file);
-  if (!out) throw InputError(fmt::format("{} {}: cannot be written", option, file->string()));
-  return out;
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code missing;
+  if (std::filesystem::is_character_file(a, missing)) return false;  // /dev/null takes anything
+  if (std::filesystem::equivalent(a, b, missing)) return true;
+  const auto name = [](const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(link_target(file), ignored), ignored);
+  };
+  return name(a) == name(b);
+}
+
+}  // namespace
+
+void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
+  const auto check = [](const NamedFile& a, const NamedFile& b) {
+    if (a.file && b.file && same_file(*a.file, *b.file)) {
+      throw InputError(fmt::format("{} {} and {} {}: the same file: must be two", a.option, a.file->string(), b.option,
+                                   b.file->string()));
+    }
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t k = i + 1; k < outputs.size(); ++k)
+      check(outputs[i], outputs[k]);
+    for (const NamedFile& input : inputs)
+      check(outputs[i], input);
+  }
+}
+
+std::vector<NamedFile> files_read(const std::string& robot, const RobotModel& model, const World& world) {
+  std::vector<NamedFile> files{{"--world", world.file()}, {"the model", model.profile().model}};
+  if (robot.ends_with(".toml")) files.push_back({"--robot", robot});
+  return files;
 }
 
 void make_folder(const std::filesystem::path& folder, const std::string& option) {
@@ -43,8 +71,9 @@ std::string script_line(double t, const Command& command) {
 
 Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
                  const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model)
-    : report_(robot), report_file_(open_output(report, "--report")) {
-  if (auto file = open_output(model, "--save-model")) *file << session.model_text();
+    : report_(robot) {
+  if (report) report_file_.emplace(*report, "--report");
+  if (model) write_whole(*model, "--save-model", session.model_text());
   if (trace) trace_.emplace(robot, *trace);
   session.on_tick = [this](const TickRecord& record) {
     report_.add(record);
@@ -63,15 +92,18 @@ nlohmann::json Outputs::write(const std::string& world, const std::string& on, l
                               const nlohmann::json& extra) {
   nlohmann::json summary = report_.json(world, on, seed, wall);
   summary.update(extra);
-  bool written = true;
-  if (report_file_) {
-    *report_file_ << summary.dump(2) << '\n';
-    written = report_file_->flush().good();
-  }
-  if (trace_) written = trace_->close() && written;
-  if (recording_) written = recording_->close() && written;
-  if (!written)
-    throw std::runtime_error("the trace, the recording or the report could not be written whole: is the disk full?");
+  std::string failed;
+  const auto attempt = [&failed](const auto& done) {
+    try {
+      done();
+    } catch (const std::runtime_error& error) {
+      failed += (failed.empty() ? "" : "; ") + std::string(error.what());
+    }
+  };
+  if (report_file_) attempt([&] { report_file_->write(summary.dump(2) + '\n'); });
+  if (trace_) attempt([&] { trace_->close(); });
+  if (recording_) attempt([&] { recording_->close(); });
+  if (!failed.empty()) throw std::runtime_error(failed);
   return summary;
 }
 

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/session.hpp"
+#include "baton/record/output_file.hpp"
 #include "baton/record/report.hpp"
 #include "baton/record/trace.hpp"
 
@@ -16,10 +17,19 @@ namespace baton::app {
 /// The hand is at a place when it is as near as this [m].
 inline constexpr double kReached = 0.01;
 
-/// Opens a file to be written.
-/// @throws InputError it cannot be; the message names `option`
-[[nodiscard]] std::optional<std::ofstream> open_output(const std::optional<std::filesystem::path>& file,
-                                                       const std::string& option);
+/// A file, and the option that names it.
+struct NamedFile {
+  std::string option;
+  std::optional<std::filesystem::path> file;
+};
+
+/// To be called before anything is written.
+/// @throws InputError one of `outputs` is the same file as another one or as one of `inputs`, whatever names they go by
+void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs);
+
+/// What a run reads, of files that have no option of their own among its outputs.
+/// @param robot as given to `--robot`
+[[nodiscard]] std::vector<NamedFile> files_read(const std::string& robot, const RobotModel& model, const World& world);
 
 /// Makes a folder, unless it is there.
 /// @throws InputError it cannot be made; the message names `option`
@@ -33,6 +43,7 @@ class Outputs {
  public:
   /// Records `session` from now on.
   /// @throws InputError a file cannot be written
+  /// @throws std::runtime_error the model could not be written whole
   Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
@@ -41,14 +52,14 @@ class Outputs {
   /// @throws InputError the file cannot be written
   void record(Session& session, const std::filesystem::path& file, const nlohmann::json& head);
 
-  /// Writes the report, with the members of `extra` added, and closes the trace; returns the report.
-  /// @throws std::runtime_error something could not be written whole
+  /// Writes the report, with the members of `extra` added, and closes trace and recording; returns the report.
+  /// @throws std::runtime_error not all of that could be written whole: what could is
   nlohmann::json write(const std::string& world, const std::string& on, long seed, double wall,
                        const nlohmann::json& extra = nlohmann::json::object());
 
  private:
   Report report_;
-  std::optional<std::ofstream> report_file_;
+  std::optional<OutputFile> report_file_;
   std::optional<Trace> trace_;
   std::optional<RecordingWriter> recording_;
 };

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
@@ -16,7 +16,7 @@ namespace baton::app {
 int plan(const PlanOptions& o) {
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
-  Script script = Script::load(o.script);
+  Script script = Script::load(o.script, interrupted);
   Session session(robot, world, Session::On::ideal, std::nullopt, {}, modes_of(o.modes));
   if (o.out) make_folder(*o.out, "--out");
   nlohmann::json segments = nlohmann::json::array();
@@ -28,7 +28,8 @@ int plan(const PlanOptions& o) {
       entry.update(to_json(*motion, record.result.context.anchor));
       if (o.out) {
         const auto file = *o.out / fmt::format("segment_{:03}.json", motions++);
-        std::ofstream(file) << motion_file(*motion, {o.robot, o.world, record.result.context.anchor}).dump() << "\n";
+        write_whole(file, "--out",
+                    motion_file(*motion, {o.robot, o.world, record.result.context.anchor}).dump() + '\n');
         entry["file"] = file.string();
       }
     } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {
@@ -50,7 +51,9 @@ int plan(const PlanOptions& o) {
   }
   const nlohmann::json result = {{"robot", robot.profile().name}, {"world", world.name()}, {"segments", segments}};
   fmt::print("{}\n", result.dump(2));
-  return kDone;
+  if (!interrupted) return kDone;
+  spdlog::warn("interrupted: the plan is not whole");
+  return kFailed;
 }
 
 }  // namespace baton::app

@@ -1,51 +1,51 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/inputs.hpp"
 #include "app/session.hpp"
 #include "baton/ik/stand.hpp"
-#include "baton/model/error.hpp"
 #include "baton/record/recording.hpp"
 
 namespace baton::app {
 namespace {
 
-ModeOptions modes_in(const nlohmann::json& head) {
-  return {head.at("duration").get<std::string>(), head.at("gait").get<std::string>(),
-          head.at("on_limit").get<std::string>()};
+/// Whether every bit is the same; a recording tells of what is not a number only that.
+bool same_bits(const VecX& a, const VecX& b) {
+  const auto same = [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) || (std::isnan(x) && std::isnan(y));
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
 }
 
 }  // namespace
 
 int replay(const ReplayOptions& o) {
   RecordingReader recording(o.recording);
-  const nlohmann::json& head = recording.head();
-  const RobotModel robot = load_robot(head.value("robot", ""), head.value("drive", ""));
-  const World world = World::load(head.value("world", ""));
-  ModeOptions options;
-  try {
-    options = modes_in(head);
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(fmt::format("recording {}: {}", o.recording.string(), error.what()));
-  }
-  const Modes modes = modes_of(options);
+  const RecordingHead& head = recording.head();
+  const RobotModel robot = named_in(recording.place(), [&] { return load_robot(head.robot, head.drive); });
+  const World world = named_in(recording.place(), [&] { return World::load(head.world); });
+  const Modes modes = modes_of({head.duration, head.gait, head.on_limit});
   Navigator navigator(robot, world, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait,
-                      state_named(head.value("state", "")));
+                      state_named(head.state));
   Planning planning(robot, world, modes);
   std::optional<PlanningResult> answer;
   const auto differs = [&](const std::string& what) {
     fmt::print("tick {}: {}\n", navigator.now(), what);
     return kFailed;
   };
-  while (const std::optional<RecordedTick> tick = recording.next()) {
-    if (tick->measurement.q.size() != robot.nv() - 6) {
-      throw InputError(fmt::format("recording {}: {} joints, the robot {} has {}", o.recording.string(),
-                                   tick->measurement.q.size(), robot.profile().name, robot.nv() - 6));
-    }
+  while (const std::optional<RecordedTick> tick = recording.next(robot.nv() - 6)) {
+    if (interrupted) return differs("interrupted");
     if (tick->fallen) navigator.fall();
-    const std::string sum = checksum(navigator.tick(tick->measurement, tick->command));
+    const JointTarget& target = navigator.tick(tick->measurement, tick->command);
+    if (o.verify && !(same_bits(target.q, tick->target) && checksum(target) == tick->checksum)) {
+      return differs("other joint targets than were recorded");
+    }
     navigator.poll();
-    if (o.verify && sum != tick->checksum) return differs("other joint targets than were recorded");
     for (const PlanningEvent event : tick->events) {
       if (event == PlanningEvent::offer) {
         if (answer) navigator.offer(*std::move(answer));

@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/reproduce.hpp"
-#include "baton/model/error.hpp"
 #include "baton/plan/com_plan.hpp"
+#include "baton/record/output_file.hpp"
 #include "baton/record/plot.hpp"
 
 namespace baton::app {
@@ -182,9 +181,7 @@ int reproduce_fig8(const std::filesystem::path& out) {
   }
   save_plot(out / "fig8.svg", panels);
 
-  std::ofstream file(out / "fig8.json");
-  file << summary.dump(2) << '\n';
-  if (!file.flush()) throw InputError(fmt::format("--out {}: fig8.json cannot be written", out.string()));
+  write_whole(out / "fig8.json", "--out", summary.dump(2) + '\n');
   return verified ? 0 : 1;
 }
 

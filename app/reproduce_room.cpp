@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
@@ -13,6 +12,7 @@
 #include "app/session.hpp"
 #include "baton/input/script.hpp"
 #include "baton/model/contact.hpp"
+#include "baton/model/input_file.hpp"
 #include "baton/record/picture.hpp"
 #include "baton/record/plot.hpp"
 
@@ -98,7 +98,7 @@ int reproduce_room(const std::filesystem::path& out) {
   const Vec3 door = world.site("door_B").p;
   Session session(robot, world, Session::On::sim);
   Outputs outputs(robot, session, out / "room_report.json", out / "room.csv", out / "room.xml");
-  std::filesystem::copy_file(script_file, out / "room.jsonl", std::filesystem::copy_options::overwrite_existing);
+  write_whole(out / "room.jsonl", "--out", read_input(script_file, "script"));
   SimulatedRobot& body = *session.simulated();
   const ModelPtr drawn = compile_text(session.model_text(), "scene");  // the simulator's has nothing that is only seen
   Picture picture(*drawn, 640, 480);
@@ -150,11 +150,15 @@ int reproduce_room(const std::filesystem::path& out) {
   }
   const bool reached = longest >= 1.0 && !session.fallen();
   outputs.write(world.name(), "sim", 0, seconds_since(wall));
+  if (interrupted) {
+    spdlog::warn("interrupted: no figures");
+    return kFailed;
+  }
   const nlohmann::json summary = {{"falls", session.fallen() ? 1 : 0},
                                   {"duration_s", reached ? reached_at : session.t()},
                                   {"reached", reached},
                                   {"hand_error_m", error}};
-  *open_output(out / "room.json", "--out") << summary.dump(2) << '\n';
+  write_whole(out / "room.json", "--out", summary.dump(2) + '\n');
   draw_map(loci, world, out / "fig10.svg");
   draw_histories(loci, out / "fig11.svg");
   save_png(out / "fig12.png", montage(snapshots, 4));

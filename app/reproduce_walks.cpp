@@ -131,9 +131,10 @@ int reproduce_walks(const std::filesystem::path& out) {
   for (const Walk& walk : walks()) {
     const World world = World::load(walk.world);
     const Script script = script_of(walk);
-    auto file = open_output(out / (file_name(walk.name) + ".jsonl"), "--out");
+    std::string lines;
     for (const Script::Entry& entry : script.entries())
-      *file << script_line(entry.t, entry.command) << '\n';
+      lines += script_line(entry.t, entry.command) + '\n';
+    write_whole(out / (file_name(walk.name) + ".jsonl"), "--out", lines);
     const Outcome walked = walk_on(robot, world, script);
     if (interrupted) break;
     const double tilt = walked.report["tilt_deg_max"].get<double>();
@@ -170,10 +171,10 @@ int reproduce_walks(const std::filesystem::path& out) {
   for (auto& [name, map] : maps)
     panels.push_back(std::move(map));
   if (!panels.empty()) save_plot(out / "walks.svg", panels, 900.0);
-  *open_output(out / "walks.json", "--out") << table.dump(2) << '\n';
+  write_whole(out / "walks.json", "--out", table.dump(2) + '\n');
   fmt::print("walks.json, walks.svg and the scripts in {}\n", out.string());
   if (fell) return kFallen;
-  return good ? kDone : kFailed;
+  return good && !interrupted ? kDone : kFailed;
 }
 
 }  // namespace baton::app

@@ -3,13 +3,16 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/crew.hpp"
+#include "app/outputs.hpp"
 #include "app/soak.hpp"
+#include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
+#include "baton/record/output_file.hpp"
 
 namespace baton::app {
 namespace {
@@ -40,24 +43,20 @@ class SoakReport {
         period_(robot.profile().tick.period) {}
 
   /// Goes on from the file, if there is one.
-  /// @throws InputError it is the report of something else
+  /// @throws InputError it is no report of a soak, or that of another one
   void resume() {
     std::error_code ignored;
     if (!std::filesystem::exists(file_, ignored)) return;
-    const auto refuse = [this](const std::string& why) {
-      throw InputError(fmt::format("--resume: {}: {}", file_.string(), why));
-    };
-    try {
-      const Json old = Json::parse(std::ifstream(file_));
-      for (const auto& [key, value] : head_.items()) {
-        if (!old.contains(key)) refuse("not the report of a soak");
-        if (old[key] != value) refuse(fmt::format("{} is {} there and {} here", key, old[key].dump(), value.dump()));
-      }
-      tally = Tally::from_json(old);
-      wall_before_ = old.at("wall").at("seconds").get<double>();
-    } catch (const Json::exception&) {
-      refuse("not the report of a soak");
+    const std::string place = fmt::format("--resume {}: not the report of a soak", file_.string());
+    const Json old = parse_json(read_input(file_, "--resume"), place);
+    const JsonReader read(old, place);
+    for (const auto& [key, value] : head_.items()) {
+      if (read.at(key.c_str()).json() == value) continue;
+      throw InputError(
+          fmt::format("--resume {}: {} is {} there and {} here", file_.string(), key, shown(old[key]), value.dump()));
     }
+    tally = Tally::from_json(read);
+    wall_before_ = read.at("wall").at("seconds").number();
   }
 
   void write(double wall, int jobs) const {
@@ -68,7 +67,7 @@ class SoakReport {
         tally.ticks > 0 ? static_cast<double>(tally.deflected) / static_cast<double>(tally.ticks) : 0.0;
     json["failure_rate_95"] = failure_rate_95(tally.failures, tally.segments);
     json["wall"] = {{"seconds", wall_before_ + wall}, {"jobs", jobs}};
-    write_whole(file_, json.dump(2) + '\n');
+    write_whole(file_, "--report", json.dump(2) + '\n');
   }
 
   [[nodiscard]] double hours() const { return static_cast<double>(tally.ticks) * period_ / 3600.0; }
@@ -118,23 +117,12 @@ class Progress {
 
 }  // namespace
 
-void write_whole(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::path fresh = file;
-  fresh += ".tmp";
-  std::ofstream out(fresh);
-  out << text << std::flush;
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(fresh, file, error);
-  if (!out || error) throw InputError(fmt::format("--report {}: cannot be written", file.string()));
-}
-
 void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeResult& result, double period,
                   long seed) {
   const Tally::Failure& failure = result.tally.listed.front();
   const std::string file = fmt::format("{}.{}{}-{}.jsonl", o.report->string(),
                                        o.physics.scenario ? *o.physics.scenario + "-" : "", o.seed, failure.episode);
-  write_whole(file, episodes.script(failure.episode, result));
+  write_whole(file, "--report", episodes.script(failure.episode, result));
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
   std::string physics = fmt::format(" --state {}", o.physics.state);
@@ -165,6 +153,7 @@ int soak(const SoakOptions& o) {
   course.seconds = o.episode.value_or(course.seconds);
   course.answers = o.answers;
   const Episodes episodes(robot, world, course);
+  check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();
   const Tally& tally = report.tally;

@@ -6,8 +6,10 @@
 
 #include "app/app.hpp"
 #include "app/crew.hpp"
+#include "app/outputs.hpp"
 #include "app/soak.hpp"
 #include "baton/model/error.hpp"
+#include "baton/record/output_file.hpp"
 
 namespace baton::app {
 namespace {
@@ -126,6 +128,7 @@ int soak_scenarios(const SoakOptions& o) {
     course.times = o.physics.times;
     course.answers = o.answers;
     const Episodes episodes(robot, world, course);
+    check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
     const double period = robot.profile().tick.period;
     Row row;
     row.name = scenario.name;
@@ -148,7 +151,7 @@ int soak_scenarios(const SoakOptions& o) {
     }
     report["scenarios"][row.name] = row.json(scenario);
     fell = fell || row.fell > 0;
-    if (o.report) write_whole(*o.report, report.dump(2) + '\n');
+    if (o.report) write_whole(*o.report, "--report", report.dump(2) + '\n');
     if (interrupted) break;
   }
   return fell ? kFallen : kDone;

@@ -11,8 +11,20 @@ nlohmann::json number(double x) {
   return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(nullptr);
 }
 
-double number(const nlohmann::json& x) {
-  return x.is_null() ? std::numeric_limits<double>::quiet_NaN() : x.get<double>();
+double number(const JsonReader& read) {
+  return read.json().is_null() ? std::numeric_limits<double>::quiet_NaN() : read.number();
+}
+
+long count(const JsonReader& read) {
+  return read.whole(0, 1000000000000000);
+}
+
+std::map<std::string, long> counts(const JsonReader& read) {
+  if (!read.json().is_object()) read.complain("an object of counts");
+  std::map<std::string, long> all;
+  for (const auto& [name, value] : read.json().items())
+    all[name] = count(read.at(name.c_str()));
+  return all;
 }
 
 /// P(X ≤ k) of the binomial distribution.
@@ -99,26 +111,28 @@ nlohmann::json Tally::json() const {
           {"first_failures", list}};
 }
 
-Tally Tally::from_json(const nlohmann::json& json) {
+Tally Tally::from_json(const JsonReader& read) {
   Tally tally;
-  json.at("episodes").get_to(tally.episodes);
-  json.at("ticks").get_to(tally.ticks);
-  json.at("deflected_ticks").get_to(tally.deflected);
-  json.at("segments").get_to(tally.segments);
-  json.at("shrunk").get_to(tally.shrunk);
-  json.at("let_go").get_to(tally.let_go);
-  json.at("refused").get_to(tally.refused);
-  json.at("commands").at("given").get_to(tally.given);
-  json.at("commands").at("moved").get_to(tally.moved);
-  json.at("travel_m").get_to(tally.travel);
-  const nlohmann::json& back = json.at("retrace");
-  tally.retrace = {back.at("tried").get<long>(), back.at("arrived").get<long>(), back.at("refused").get<long>(),
-                   back.at("worst_m").get<double>(), back.at("worst_rad").get<double>()};
-  json.at("violations").get_to(tally.bad);
-  json.at("failures").get_to(tally.failures);
-  for (const auto& f : json.at("first_failures")) {
-    tally.listed.push_back({f.at("kind").get<std::string>(), f.at("episode").get<long>(), f.at("t").get<double>(),
-                            number(f.at("value")), number(f.at("limit")), f.at("where").get<std::string>()});
+  tally.episodes = count(read.at("episodes"));
+  tally.ticks = count(read.at("ticks"));
+  tally.deflected = count(read.at("deflected_ticks"));
+  tally.segments = count(read.at("segments"));
+  tally.shrunk = count(read.at("shrunk"));
+  tally.let_go = count(read.at("let_go"));
+  tally.refused = counts(read.at("refused"));
+  tally.given = count(read.at("commands").at("given"));
+  tally.moved = count(read.at("commands").at("moved"));
+  tally.travel = read.at("travel_m").number();
+  const JsonReader back = read.at("retrace");
+  tally.retrace = {count(back.at("tried")), count(back.at("arrived")), count(back.at("refused")),
+                   back.at("worst_m").number(), back.at("worst_rad").number()};
+  tally.bad = counts(read.at("violations"));
+  tally.failures = count(read.at("failures"));
+  const JsonReader listed = read.at("first_failures");
+  if (listed.json() == nlohmann::json::array()) return tally;
+  for (const JsonReader& f : listed.list()) {
+    tally.listed.push_back({f.at("kind").text(), count(f.at("episode")), f.at("t").number(), number(f.at("value")),
+                            number(f.at("limit")), f.at("where").text()});
   }
   return tally;
 }

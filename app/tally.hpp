@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "baton/input/json_reader.hpp"
+
 namespace baton::app {
 
 /// Upper end of the one-sided 95 % confidence interval for the rate of failures, after `failures` in `trials`
@@ -53,8 +55,8 @@ struct Tally {
   void add(const Tally& other);
 
   [[nodiscard]] nlohmann::json json() const;
-  /// @throws nlohmann::json::exception it is not what `json()` wrote
-  [[nodiscard]] static Tally from_json(const nlohmann::json& json);
+  /// @throws InputError it is not what `json()` wrote
+  [[nodiscard]] static Tally from_json(const JsonReader& read);
 };
 
 }  // namespace baton::app

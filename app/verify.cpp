@@ -4,6 +4,7 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/inputs.hpp"
 #include "baton/record/motion_file.hpp"
 #include "baton/record/plan_json.hpp"
 #include "baton/verify/verifier.hpp"
@@ -12,8 +13,10 @@ namespace baton::app {
 
 int verify(const VerifyOptions& o) {
   const MotionPlace place = read_motion_place(o.motion);
-  const RobotModel robot = RobotModel::load(o.robot.value_or(place.robot));
-  const World world = World::load(o.world.value_or(place.world));
+  const std::string named = fmt::format("motion {}", o.motion.string());
+  const RobotModel robot =
+      o.robot ? RobotModel::load(*o.robot) : named_in(named, [&] { return RobotModel::load(place.robot); });
+  const World world = o.world ? World::load(*o.world) : named_in(named, [&] { return World::load(place.world); });
   Motion motion = read_motion(o.motion, robot);
   Verifier verifier(robot, world);
   const auto verdict = verifier.verify(motion, place.anchor);

@@ -5,44 +5,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 
 namespace baton {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kSameTime = 1e-9;  // [s] ticks are counted in floating point
+constexpr double kSameTime = 1e-9;   // [s] ticks are counted in floating point
+constexpr double kLatest = 86400.0;  // [s] a day
 constexpr std::array<std::string_view, 7> kKeys{"t", "guide", "axes", "lift", "retrace", "home", "stop"};
-
-/// Cut to a size that fits a message, between two characters of UTF-8.
-std::string shortened(std::string text, std::size_t longest) {
-  if (text.size() <= longest) return text;
-  std::size_t end = longest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-    --end;
-  return text.substr(0, end) + "…";
-}
-
-/// The value as in the file.
-std::string shown(const Json& value) {
-  return shortened(value.dump(-1, ' ', true, Json::error_handler_t::replace), 80);
-}
-
-/// What JSON has against a text, without the class of the error and the line number, which is always 1.
-std::string reason(const Json::exception& error) {
-  const std::string_view what = error.what();
-  const std::size_t column = what.find("column ");
-  return shortened(std::string(what.substr(column != std::string_view::npos ? column : what.find("] ") + 2)), 160);
-}
 
 /// Reads one line; every complaint names file, line, key, value and what is wanted.
 class Line {
@@ -80,6 +60,7 @@ class Line {
     if (!value.is_number() || value.get<double>() < 0.0) complain("t", "a time in seconds, 0 or more");
     const auto t = value.get<double>();
     if (t < earliest) complain("t", fmt::format("at least {}, the time of the line before", earliest));
+    if (t > kLatest) complain("t", fmt::format("at most {:.0f} s, a day", kLatest));
     return t;
   }
 
@@ -148,16 +129,11 @@ bool blank(std::string_view line) {
 }  // namespace
 
 Script Script::load(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    throw InputError(fmt::format("script {}: no such file", file.string()));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, ignored)) {
-    throw InputError(fmt::format("script {}: not a file that can be read", file.string()));
-  }
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return parse(text, file.string());
+  return parse(read_input(file, "script"), file.string());
+}
+
+Script Script::load(const std::filesystem::path& file, const std::atomic<bool>& stop) {
+  return parse(read_input(file, "script", stop), file.string());
 }
 
 Script Script::parse(std::string_view text, std::string name) {

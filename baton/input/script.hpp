@@ -3,6 +3,7 @@
 /// or `{"t": 6, "retrace": true}`
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -24,8 +25,12 @@ class Script : public Device {
   /// Reads a whole file.
   /// @throws InputError the file cannot be read or holds no command; a line is not a JSON object, lacks `t`,
   /// has an unknown key, one key twice, or a value that its key does not take; `t` is less than on the line
-  /// before
+  /// before, or more than a day
   [[nodiscard]] static Script load(const std::filesystem::path& file);
+
+  /// The same, and of a pipe too, which is read to its end unless `stop` becomes true before.
+  /// @throws std::runtime_error stopped
+  [[nodiscard]] static Script load(const std::filesystem::path& file, const std::atomic<bool>& stop);
 
   /// The same, of the text itself; `name` stands for the file in messages.
   [[nodiscard]] static Script parse(std::string_view text, std::string name);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 
 namespace baton {
 namespace {
@@ -48,10 +49,7 @@ int mujoco_warnings() {
 
 SpecPtr parse_model(const std::filesystem::path& file) {
   install_mujoco_handlers();
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
-    throw InputError(fmt::format("model {}: no such file", file.string()));
-  }
+  check_input(file, "model");
   const auto lock = lock_compiler();
   std::array<char, 1000> message{};
   SpecPtr spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));

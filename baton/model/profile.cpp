@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 
 namespace baton {
 namespace {
@@ -162,7 +163,7 @@ Drive drive_named(const std::string& name, const std::string& owner) {
 Profile Profile::load(const std::filesystem::path& file) {
   toml::table table;
   try {
-    table = toml::parse_file(file.string());
+    table = toml::parse(read_input(file, "profile"), file.string());
   } catch (const toml::parse_error& error) {
     throw InputError(
         fmt::format("profile {}: line {}: {}", file.string(), error.source().begin.line, error.description()));

@@ -66,7 +66,7 @@ RobotModel RobotModel::load(const std::string& name_or_file) {
   std::filesystem::path file = name_or_file;
   if (file.extension() != ".toml") file = share_dir() / "robots" / name_or_file / "profile.toml";
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
+  if (!std::filesystem::exists(file, ignored)) {
     throw InputError(fmt::format("robot '{}': no file {}: give a folder of robots/ or a profile's .toml file",
                                  name_or_file, file.string()));
   }

@@ -39,7 +39,7 @@ World World::load(const std::string& name_or_file) {
   std::filesystem::path file = name_or_file;
   if (file.extension() != ".xml") file = share_dir() / "worlds" / (name_or_file + ".xml");
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
+  if (!std::filesystem::exists(file, ignored)) {
     throw InputError(fmt::format("world '{}': no file {}: give the name of a file in worlds/ or a .xml file",
                                  name_or_file, file.string()));
   }

@@ -50,6 +50,7 @@ class World {
   [[nodiscard]] static bool is_ground(const std::string& geom) { return geom.starts_with("ground"); }
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] const mjModel& mj() const { return *model_; }
   [[nodiscard]] const std::vector<GroundFace>& faces() const { return faces_; }
 

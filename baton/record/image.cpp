@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "baton/model/error.hpp"
+#include "baton/record/output_file.hpp"
 
 namespace baton {
 
@@ -15,9 +16,12 @@ void save_png(const std::filesystem::path& file, const Image& image) {
   png.width = static_cast<png_uint_32>(image.width);
   png.height = static_cast<png_uint_32>(image.height);
   png.format = PNG_FORMAT_RGB;
-  if (png_image_write_to_file(&png, file.c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
-    throw InputError(fmt::format("picture {}: cannot be written: {}", file.string(), png.message));
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgb.data(), 0, nullptr) == 0) {
+    throw std::runtime_error(fmt::format("picture {}: cannot be made: {}", file.string(), png.message));
   }
+  write_whole(file, "picture", std::string_view(bytes).substr(0, size));
 }
 
 Image load_png(const std::filesystem::path& file) {

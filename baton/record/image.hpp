@@ -19,6 +19,7 @@ struct Image {
 };
 
 /// @throws InputError the file cannot be written
+/// @throws std::runtime_error it could not be written whole
 void save_png(const std::filesystem::path& file, const Image& image);
 
 /// @throws InputError no such file, or not a PNG

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <set>
 
-#include "baton/model/error.hpp"
+#include "baton/record/output_file.hpp"
 
 namespace baton {
 namespace {
@@ -271,9 +270,7 @@ std::string plot_svg(std::span<const Panel> panels, double width) {
 }
 
 void save_plot(const std::filesystem::path& file, std::span<const Panel> panels, double width) {
-  std::ofstream out(file);
-  out << plot_svg(panels, width);
-  if (!out.flush()) throw InputError(fmt::format("plot {}: cannot be written", file.string()));
+  write_whole(file, "plot", plot_svg(panels, width));
 }
 
 }  // namespace baton

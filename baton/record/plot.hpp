@@ -66,6 +66,7 @@ struct Panel {
 [[nodiscard]] std::string plot_svg(std::span<const Panel> panels, double width = 720.0);
 
 /// @throws InputError the file cannot be written
+/// @throws std::runtime_error it could not be written whole
 void save_plot(const std::filesystem::path& file, std::span<const Panel> panels, double width = 720.0);
 
 }  // namespace baton

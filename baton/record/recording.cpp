@@ -5,8 +5,11 @@
 #include <cstring>
 #include <limits>
 
+#include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 #include "baton/record/json.hpp"
+#include "baton/record/output_file.hpp"
 
 namespace baton {
 namespace {
@@ -14,22 +17,10 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kVersion = 2;
-
-template <typename Matrix>
-void get(const Json& json, Matrix& m) {
-  const auto v = json.get<std::vector<double>>();
-  if constexpr (Matrix::SizeAtCompileTime == Eigen::Dynamic) m.resize(static_cast<Eigen::Index>(v.size()));
-  if (static_cast<Eigen::Index>(v.size()) != m.size()) throw std::invalid_argument("a list has not the length it must");
-  std::copy(v.begin(), v.end(), m.data());
-}
+constexpr std::size_t kLongest = 1U << 20U;  ///< line [bytes]; a tick has about 2 kB
 
 Json wrench_json(const Wrench& w) {
   return {vector_json(w.force), vector_json(w.moment)};
-}
-
-void get(const Json& json, Wrench& w) {
-  get(json.at(0), w.force);
-  get(json.at(1), w.moment);
 }
 
 Json command_json(const Command& c) {
@@ -39,15 +30,16 @@ Json command_json(const Command& c) {
           {"recall", static_cast<int>(c.recall)}};
 }
 
-Command command_of(const Json& json) {
+Command command_in(const JsonReader& read) {
   Command c;
-  const auto name = json.at("guide").get<std::string>();
+  const std::string guide = read.at("guide").one_of({"left_foot", "right_foot", "left_hand", "right_hand", "trunk"});
   for (const Part part : kParts) {
-    if (to_string(part) == name) c.guide = part;
+    if (to_string(part) == guide) c.guide = part;
   }
-  get(json.at("axes"), c.axes);
-  c.lift = {json.at("lift").at(0).get<double>(), json.at("lift").at(1).get<double>()};
-  c.recall = static_cast<Recall>(json.at("recall").get<int>());
+  c.axes = read.at("axes").vector(6);
+  const VecX lift = read.at("lift").vector(2);
+  c.lift = {lift[0], lift[1]};
+  c.recall = static_cast<Recall>(read.at("recall").whole(0, 3));
   return c;
 }
 
@@ -65,24 +57,31 @@ Json measurement_json(const Measurement& m) {
   return json;
 }
 
-Measurement measurement_of(const Json& json) {
+Mat3 matrix_in(const JsonReader& read, bool nulls) {
+  return Eigen::Map<const Mat3>(read.vector(9, nulls).data());
+}
+
+Wrench wrench_in(const JsonReader& read, bool nulls) {
+  const std::vector<JsonReader> parts = read.list(2);
+  return {parts[0].vector(3, nulls), parts[1].vector(3, nulls)};
+}
+
+/// @param nulls of a robot that fell, physics may have come to numbers that are none
+Measurement measurement_in(const JsonReader& read, Eigen::Index joints, bool need_root, bool nulls) {
   Measurement m;
-  m.t = json.at("t").get<double>();
-  get(json.at("q"), m.q);
-  get(json.at("dq"), m.dq);
-  get(json.at("torque"), m.torque);
-  get(json.at("imu").at(0), m.imu.attitude);
-  get(json.at("imu").at(1), m.imu.rate);
-  get(json.at("imu").at(2), m.imu.acceleration);
-  get(json.at("sole").at(0), m.sole.left);
-  get(json.at("sole").at(1), m.sole.right);
-  if (json.contains("root")) {
-    const Json& root = json.at("root");
-    m.root.emplace();
-    get(root.at(0), m.root->pose.p);
-    get(root.at(1), m.root->pose.R);
-    get(root.at(2), m.root->velocity);
-    get(root.at(3), m.root->rate);
+  m.t = read.at("t").number();
+  m.q = read.at("q").vector(joints, nulls);
+  m.dq = read.at("dq").vector(joints, nulls);
+  const JsonReader torque = read.at("torque");
+  if (torque.json() != Json::array()) m.torque = torque.vector(joints, nulls);  // empty: not measured
+  const std::vector<JsonReader> imu = read.at("imu").list(3);
+  m.imu = {matrix_in(imu[0], nulls), imu[1].vector(3, nulls), imu[2].vector(3, nulls)};
+  const std::vector<JsonReader> sole = read.at("sole").list(2);
+  m.sole = {wrench_in(sole[0], nulls), wrench_in(sole[1], nulls)};
+  if (need_root || read.has("root")) {
+    const std::vector<JsonReader> root = read.at("root").list(4);
+    m.root = RootMeasurement{
+        {root[0].vector(3, nulls), matrix_in(root[1], nulls)}, root[2].vector(3, nulls), root[3].vector(3, nulls)};
   }
   return m;
 }
@@ -103,11 +102,11 @@ std::string checksum(const JointTarget& target) {
   return fmt::format("{:016x}", hash);
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Json& head) : out_(file) {
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Json& head)
+    : file_(file), out_(open_stream(file, "--record")) {
   Json first = {{"baton_recording", kVersion}};
   first.update(head);
   out_ << first.dump() << '\n' << std::flush;
-  if (!out_) throw InputError(fmt::format("--record {}: cannot be written", file.string()));
 }
 
 void RecordingWriter::add(const TickRecord& record, bool fallen) {
@@ -138,44 +137,71 @@ void RecordingWriter::flush() {
   events_.clear();
 }
 
-bool RecordingWriter::close() {
+void RecordingWriter::close() {
   flush();
-  out_.close();
-  return out_.good();
+  close_stream(out_, file_, "--record");
 }
 
-RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file), in_(file) {
+RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file) {
+  check_input(file, "recording", std::numeric_limits<std::uintmax_t>::max());
+  in_.open(file);
   std::string line;
-  if (!std::getline(in_, line)) throw InputError(fmt::format("recording {}: cannot be read", file.string()));
-  head_ = Json::parse(line, nullptr, false);
-  if (!head_.is_object() || head_.value("baton_recording", 0) != kVersion) {
-    throw InputError(fmt::format("recording {}: is not one of version {}", file.string(), kVersion));
-  }
+  if (!read_line(line)) throw InputError(fmt::format("recording {}: cannot be read, or is empty", file.string()));
+  const Json json = parse_json(line, place());
+  const JsonReader read(json, place());
+  if (read.at("baton_recording").json() != kVersion)
+    read.at("baton_recording").complain(fmt::format("{}, the version that this program reads", kVersion));
+  static_cast<void>(read.at("on").one_of({"sim", "ideal"}));
+  head_ = {read.at("robot").text(),
+           read.at("world").text(),
+           read.at("duration").one_of({"paper", "search"}),
+           read.at("gait").one_of({"stop", "flow"}),
+           read.at("on_limit").one_of({"discard", "shrink"}),
+           read.at("state").one_of({"sensors", "torques", "perfect"}),
+           read.at("drive").one_of({"torque", "pd", "stiff"})};
 }
 
-std::optional<RecordedTick> RecordingReader::next() {
-  std::string line;
-  if (!std::getline(in_, line)) return std::nullopt;
+std::string RecordingReader::place() const {
+  return fmt::format("recording {}: line {}", file_.string(), line_);
+}
+
+bool RecordingReader::read_line(std::string& line) {
+  line.clear();
   ++line_;
-  const bool whole = !in_.eof();
-  try {
-    const Json json = Json::parse(line);
-    RecordedTick tick;
-    tick.measurement = measurement_of(json.at("m"));
-    if (json.contains("c")) command_ = command_of(json.at("c"));
-    tick.command = command_;
-    tick.fallen = json.value("fallen", false);
-    tick.checksum = json.at("sum").get<std::string>();
-    if (json.contains("events")) {
-      for (const Json& event : json.at("events")) {
-        tick.events.push_back(event.get<std::string>() == "ask" ? PlanningEvent::ask : PlanningEvent::offer);
-      }
+  for (int c = in_.rdbuf()->sbumpc(); c != '\n'; c = in_.rdbuf()->sbumpc()) {
+    whole_ = c != std::char_traits<char>::eof();
+    if (!whole_) break;
+    line += static_cast<char>(c);
+    if (line.size() > kLongest) {
+      throw InputError(fmt::format("{}: has more than {} bytes: is not one of a recording", place(), kLongest));
     }
-    return tick;
-  } catch (const std::exception& error) {
-    if (!whole) return std::nullopt;  // the process ended in the middle of it
-    throw InputError(fmt::format("recording {}, line {}: {}", file_.string(), line_, error.what()));
   }
+  return whole_ || !line.empty();
+}
+
+std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
+  const bool first = line_ == 1;
+  std::string line;
+  const bool there = read_line(line);
+  const bool cut = !whole_ && !Json::accept(line);  // the process ended in the middle of it
+  if (!there || cut) {
+    if (first) throw InputError(fmt::format("recording {}: holds no ticks", file_.string()));
+    return std::nullopt;
+  }
+  const Json json = parse_json(line, place());
+  const JsonReader read(json, place());
+  RecordedTick tick;
+  tick.fallen = read.has("fallen") && read.at("fallen").truth();
+  tick.measurement = measurement_in(read.at("m"), joints, head_.state == "perfect", tick.fallen);
+  if (first || read.has("c")) command_ = command_in(read.at("c"));
+  tick.command = command_;
+  tick.target = read.at("target").vector(joints, tick.fallen);
+  tick.checksum = read.at("sum").text();
+  if (read.has("events")) {
+    for (const JsonReader& event : read.at("events").list())
+      tick.events.push_back(event.one_of({"ask", "offer"}) == "ask" ? PlanningEvent::ask : PlanningEvent::offer);
+  }
+  return tick;
 }
 
 }  // namespace baton

@@ -28,12 +28,14 @@ class RecordingWriter {
   void add(const TickRecord& record, bool fallen);
   void add(PlanningEvent event);
 
-  /// Writes what is left. @returns whether all of it could be written
-  [[nodiscard]] bool close();
+  /// Writes what is left.
+  /// @throws std::runtime_error the recording could not be written whole
+  void close();
 
  private:
   void flush();
 
+  std::filesystem::path file_;
   std::ofstream out_;
   std::string tick_;    ///< line of the last tick, not yet closed
   std::string events_;  ///< since then
@@ -47,7 +49,19 @@ struct RecordedTick {
   Command command;
   bool fallen = false;                ///< the robot was seen to have fallen
   std::vector<PlanningEvent> events;  ///< after the tick, in their order
-  std::string checksum;
+  VecX target;                        ///< joint angles that the navigator answered with [rad]
+  std::string checksum;               ///< of its whole answer
+};
+
+/// What a recorded run was of, each as its option takes it.
+struct RecordingHead {
+  std::string robot;
+  std::string world;
+  std::string duration;
+  std::string gait;
+  std::string on_limit;
+  std::string state;
+  std::string drive;
 };
 
 class RecordingReader {
@@ -55,18 +69,26 @@ class RecordingReader {
   /// @throws InputError the file cannot be read or is not a recording
   explicit RecordingReader(const std::filesystem::path& file);
 
-  [[nodiscard]] const nlohmann::json& head() const { return head_; }
+  [[nodiscard]] const RecordingHead& head() const { return head_; }
 
   /// The next tick; none at the end. A last line that was cut off is left out.
-  /// @throws InputError a line is not a tick of a recording
-  [[nodiscard]] std::optional<RecordedTick> next();
+  /// @param joints that the robot has
+  /// @throws InputError a line is not a tick of a recording of such a robot, or there is none at all
+  [[nodiscard]] std::optional<RecordedTick> next(Eigen::Index joints);
+
+  /// File and line, as messages begin.
+  [[nodiscard]] std::string place() const;
 
  private:
+  /// The next line. @returns whether there was one
+  bool read_line(std::string& line);
+
   std::filesystem::path file_;
   std::ifstream in_;
-  nlohmann::json head_;
+  RecordingHead head_;
   Command command_;
-  long line_ = 1;
+  long line_ = 0;
+  bool whole_ = true;  ///< the last line had an end
 };
 
 }  // namespace baton

@@ -4,8 +4,6 @@
 
 #include <iterator>
 
-#include "baton/model/error.hpp"
-
 namespace baton {
 
 Vec2 measured_zmp(const Truth& truth, double height) {
@@ -13,8 +11,8 @@ Vec2 measured_zmp(const Truth& truth, double height) {
   return total.zmp(height);
 }
 
-Trace::Trace(const RobotModel& robot, const std::filesystem::path& file) : kinematics_(robot), out_(file) {
-  if (!out_) throw InputError(fmt::format("trace {}: cannot be written", file.string()));
+Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
+    : kinematics_(robot), file_(file), out_(open_stream(file, "--trace")) {
   std::string header = "t,guide,segment,phase";
   for (int i = 0; i < robot.nq(); ++i)
     header += fmt::format(",qpos_{}", i);
@@ -60,11 +58,6 @@ void Trace::add(const TickRecord& record) {
   numbers(nav.dcm_error());
   fmt::format_to(to, ",{}\n", to_string(nav.intent()));
   out_.write(row.data(), static_cast<std::streamsize>(row.size()));
-}
-
-bool Trace::close() {
-  out_.flush();
-  return out_.good();
 }
 
 }  // namespace baton

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "baton/record/output_file.hpp"
 #include "baton/record/tick_record.hpp"
 
 namespace baton {
@@ -16,11 +17,12 @@ class Trace {
 
   void add(const TickRecord& record);
 
-  /// Flushes; false if anything could not be written.
-  [[nodiscard]] bool close();
+  /// @throws std::runtime_error it could not be written whole
+  void close() { close_stream(out_, file_, "--trace"); }
 
  private:
   Kinematics kinematics_;
+  std::filesystem::path file_;
   std::ofstream out_;
 };
 

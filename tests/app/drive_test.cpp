@@ -247,11 +247,16 @@ TEST(Drive, AnAv8rDrivesTheWholeProgram) {
   EXPECT_NEAR(report["final"]["right_foot"]["p"][2].get<double>(), 0.0, 1e-3) << "and puts it down";
 }
 
-TEST(Drive, CtrlCBringsTheRobotToRestAndWritesWhatWasAskedFor) {
+class DriveEndedBy : public testing::TestWithParam<int> {};
+
+// Ctrl-C, kill, and a terminal that goes.
+INSTANTIATE_TEST_SUITE_P(Signals, DriveEndedBy, testing::Values(SIGINT, SIGTERM, SIGHUP));
+
+TEST_P(DriveEndedBy, ASignalComesToRestAndWritesWhatWasAskedFor) {
   const test::SdlJoysticks sdl;
   test::HeldAv8r stick([](test::HeldAv8r& hands, int look) {
     hands.hat(look > 20 ? SDL_HAT_UP : SDL_HAT_CENTERED);
-    if (look == 100) std::raise(SIGINT);  // in the middle of a step
+    if (look == 100) std::raise(GetParam());  // in the middle of a step
   });
   const Scratch scratch;
   const Outcome outcome = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "60",
@@ -263,6 +268,32 @@ TEST(Drive, CtrlCBringsTheRobotToRestAndWritesWhatWasAskedFor) {
   const Table trace(scratch.table("t.csv"));
   EXPECT_NE(trace.text(100, "phase"), "hold") << "it was moving";
   EXPECT_NEAR(trace.number(trace.rows() - 1, "com_z"), 0.26, 0.005);
+}
+
+TEST(Drive, GoesOnWithoutATerminalWhereNohupAsksForThat) {
+  const test::SdlJoysticks sdl;
+  test::HeldAv8r stick([](test::HeldAv8r& /*hands*/, int look) {
+    if (look == 20) std::raise(SIGHUP);
+  });
+  const Scratch scratch;
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  const Outcome outcome = run({"drive", "--world", "flat", "--on", "ideal", "--input", "joystick", "--fast",
+                               "--seconds", "1", "--report", scratch.path("r.json")});
+  EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN) << "and leaves it so";
+  EXPECT_EQ(outcome.code, app::kDone);
+  EXPECT_NEAR(scratch.json("r.json")["duration_s"].get<double>(), 1.0, 1e-9);
+}
+
+TEST(Drive, AJoystickThatIsNotThereIsWaitedForByTheClockOnly) {
+  const test::SdlJoysticks sdl;
+  const Outcome fast = run({"drive", "--world", "flat", "--input", "joystick", "--fast", "--seconds", "1"});
+  EXPECT_EQ(fast.code, app::kBadInput);
+  EXPECT_THAT(fast.err, testing::AllOf(HasSubstr("--input joystick"), HasSubstr("--fast"), HasSubstr("Plug in")));
+  const Outcome waits =
+      run({"drive", "--world", "flat", "--on", "ideal", "--input", "joystick", "--headless", "--seconds", "0.05"});
+  EXPECT_EQ(waits.code, app::kDone);
+  EXPECT_THAT(waits.err, HasSubstr("Plug in"));
+  EXPECT_EQ(std::count(waits.err.begin(), waits.err.end(), '\n'), 1) << waits.err;
 }
 
 TEST(Plan, ShowsSegmentsAndRefusals) {

@@ -1,6 +1,7 @@
 /// Recording and replay, and planning on a thread of its own.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "app/app.hpp"
@@ -138,6 +139,60 @@ TEST_F(Replay, NoticesAnythingElse) {
   EXPECT_THAT(broken.err, HasSubstr("line 301"));
   EXPECT_EQ(run({"replay", scratch_.path("none.jsonl")}).code, app::kBadInput);
   EXPECT_EQ(run({"replay", scratch_.write("other.json", "{\"a\": 1}\n")}).code, app::kBadInput);
+}
+
+TEST_F(Replay, HoldsTheTargetsThemselvesToTheRecordedOnes) {
+  record("ideal", {"--fast"});
+  const std::vector<std::string> text = lines();
+  struct Change {
+    std::size_t line;
+    std::size_t joint;
+    double by;  ///< 0: the next number
+  };
+  for (const Change& change : {Change{300, 5, 0.1}, Change{1, 0, 0.0}, Change{600, 19, 0.0}}) {
+    nlohmann::json line = nlohmann::json::parse(text[change.line]);
+    const double was = line["target"][change.joint];
+    line["target"][change.joint] = change.by != 0.0 ? was + change.by : std::nextafter(was, 10.0);
+    std::ofstream out(file_);
+    for (std::size_t i = 0; i < text.size(); ++i)
+      out << (i == change.line ? line.dump() : text[i]) << '\n';
+    out.close();
+    const Outcome other = run({"replay", file_, "--verify"});
+    EXPECT_EQ(other.code, app::kFailed) << change.line;
+    EXPECT_THAT(other.out, HasSubstr("tick " + std::to_string(change.line - 1) + ": other joint targets"));
+    EXPECT_EQ(run({"replay", file_}).code, app::kDone) << "without --verify it is only summed up";
+  }
+}
+
+TEST_F(Replay, WhatItReadsWrongIsOneLineAndExitCodeTwo) {
+  record("ideal", {"--fast"});
+  const std::vector<std::string> text = lines();
+  const auto refused = [&](const std::string& all, const std::string& says) {
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--verify"}}) {
+      std::vector<std::string> args{"replay", scratch_.write("bad.jsonl", all)};
+      args.insert(args.end(), more.begin(), more.end());
+      const Outcome outcome = run(args);
+      EXPECT_EQ(outcome.code, app::kBadInput) << outcome.out;
+      EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("bad.jsonl"), HasSubstr(says)));
+      EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    }
+  };
+  const auto changed = [&](std::size_t i, const std::string& pointer, const nlohmann::json& value) {
+    nlohmann::json line = nlohmann::json::parse(text[i]);
+    line[nlohmann::json::json_pointer(pointer)] = value;
+    std::string all;
+    for (std::size_t k = 0; k < 4; ++k)
+      all += (k == i ? line.dump() : text[k]) + '\n';
+    return all;
+  };
+  refused(changed(2, "/m/dq", nlohmann::json::array()), "line 3: m.dq has 0 members: must be a list of 20 numbers");
+  refused(changed(2, "/m/dq", {1.0, 2.0, 3.0}), "line 3: m.dq has 3 members");
+  refused(changed(1, "/c/recall", 9), "line 2: c.recall = 9");
+  refused(changed(0, "/gait", "gallop"), "line 1: gait = \"gallop\": must be stop or flow");
+  refused(changed(0, "/world", "nowhere"), "line 1: world 'nowhere'");
+  refused(changed(0, "/robot", "nobody"), "line 1: robot 'nobody'");
+  refused(changed(0, "/world", 5), "line 1: world = 5");
+  refused(text[0] + '\n', "holds no ticks");
 }
 
 TEST(PlanningThread, AnswersAsPlanningDoes) {

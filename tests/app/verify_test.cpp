@@ -81,6 +81,11 @@ TEST_F(Verify, AFileThatIsNoMotionIsNamed) {
   auto odd = good;
   odd["samples"][3]["q"].push_back(0.0);
   EXPECT_THAT(says("long.json", odd.dump()), HasSubstr("samples[3].q"));
+  for (const std::string key : {"robot", "world"}) {
+    odd = good;
+    odd[key] = "nothing";
+    EXPECT_THAT(says("odd_" + key + ".json", odd.dump()), HasSubstr(key + " 'nothing'"));
+  }
   odd = good;
   odd["samples"][3]["com"][1] = nullptr;
   EXPECT_THAT(says("nan.json", odd.dump()), HasSubstr("samples[3].com[1]"));

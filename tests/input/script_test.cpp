@@ -129,7 +129,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"3", {"3", "object"}}, Bad{"null", {"null", "object"}}, Bad{"{}", {"t is missing"}},
         Bad{"{\"axes\": [0,0,0,0,0,0]}", {"t is missing"}}, Bad{"{\"t\": null}", {"t = null", "seconds"}},
         Bad{"{\"t\": \"2\"}", {"t = \"2\"", "seconds"}}, Bad{"{\"t\": -1}", {"t = -1", "seconds"}},
-        Bad{"{\"t\": true}", {"t = true"}}, Bad{"{\"t\": 0.5}", {"t = 0.5", "at least 1"}},
+        Bad{"{\"t\": true}", {"t = true"}}, Bad{"{\"t\": 1e300}", {"t = 1e+300", "at most 86400"}},
+        Bad{"{\"t\": 86400.5}", {"t = 86400.5", "a day"}}, Bad{"{\"t\": 0.5}", {"t = 0.5", "at least 1"}},
         Bad{"{\"t\": 1, \"t\": 2}", {"\"t\"", "twice"}},
         Bad{"{\"t\": 1, \"axis\": [0]}", {"unknown key \"axis\"", "axes", "retrace", "home", "stop"}},
         Bad{"{\"t\": 1, \"retrace\": 1}", {"retrace = 1", "true or false"}},
@@ -160,7 +161,7 @@ TEST(Script, NamesTheFileThatCannotBeRead) {
               testing::ThrowsMessage<InputError>("script /nonexistent/walk.jsonl: no such file"));
   const std::string folder = test::temp_folder();
   EXPECT_THAT([&] { static_cast<void>(Script::load(folder)); },
-              testing::ThrowsMessage<InputError>(HasSubstr("not a file that can be read")));
+              testing::ThrowsMessage<InputError>(HasSubstr("is a folder, not a file that can be read whole")));
 }
 
 TEST(Script, LoadsAFile) {
