@@ -26,8 +26,11 @@
 namespace baton {
 namespace {
 
-constexpr int kHttpThreads = 8;                    ///< beside one for each page
-constexpr const char* kHttpTimeout = "5000";       ///< for a request, and for a write that nobody takes [ms]
+/// A connection that sends no request, or half of one, holds a thread until it times out; these are many and that is
+/// short, so that hundreds of them do not keep pages out. The rest waits in the backlog.
+constexpr int kHttpThreads = 256;             ///< beside one for each page
+constexpr const char* kHttpTimeout = "1000";  ///< for a request, and for a write that nobody takes [ms]
+constexpr const char* kBacklog = "1024";      ///< connections that wait for a thread
 constexpr const char* kWebSocketTimeout = "5000";  ///< of silence, then a ping [ms]
 
 struct CivetwebLibrary {
@@ -52,6 +55,7 @@ int respond(mg_connection* connection, int status, std::string_view type, std::s
       "Cross-Origin-Resource-Policy: same-origin\r\n"
       "X-Content-Type-Options: nosniff\r\n\r\n",
       status, mg_get_response_code_text(connection, status), type, body.size());
+  mg_disable_connection_keep_alive(connection);  // or it would read a body that comes as slowly as it likes
   mg_write(connection, head.data(), head.size());
   const bool head_only = std::string_view(mg_get_request_info(connection)->request_method) == "HEAD";
   if (!head_only) mg_write(connection, body.data(), body.size());
@@ -188,10 +192,12 @@ void Cockpit::Server::start() {
 
   const std::string address = fmt::format("{}:{}", parameters_.host, parameters_.port);
   const std::string threads = std::to_string(parameters_.pages + kHttpThreads);
-  std::array<const char*, 15> options{"listening_ports",
+  std::array<const char*, 17> options{"listening_ports",
                                       address.c_str(),
                                       "num_threads",
                                       threads.c_str(),
+                                      "listen_backlog",
+                                      kBacklog,
                                       "tcp_nodelay",
                                       "1",
                                       "request_timeout_ms",

@@ -1,9 +1,13 @@
 #include "baton/cockpit/cockpit.hpp"
 #include "tests/support/temp.hpp"
 
+#include <arpa/inet.h>
 #include <civetweb.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -469,6 +473,51 @@ TEST_F(CockpitTest, LimitsTheNumberOfPages) {
   }
   EXPECT_EQ(get(port_, "/ws", "Host: localhost\r\n" + kUpgrade).status, 503);
   EXPECT_EQ(get(port_, "/").status, 200);
+}
+
+/// Connections that are opened and then say this much; they stand as long as the object does.
+class HalfOpen {
+ public:
+  HalfOpen(int port, int count, const std::string& says) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    for (int i = 0; i < count; ++i) {
+      const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+      EXPECT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+      sockets_.push_back(socket);
+    }
+    say(says);
+  }
+  ~HalfOpen() {
+    for (const int socket : sockets_)
+      ::close(socket);
+  }
+  HalfOpen(const HalfOpen&) = delete;
+  HalfOpen& operator=(const HalfOpen&) = delete;
+
+  void say(const std::string& text) {
+    for (const int socket : sockets_)
+      ::send(socket, text.data(), text.size(), MSG_NOSIGNAL);
+  }
+
+ private:
+  std::vector<int> sockets_;
+};
+
+TEST_F(CockpitTest, HalfOpenConnectionsDoNotKeepPagesOut) {
+  // Each held a thread of sixteen for 5 s, so that a page waited for 30 s behind 100 of them.
+  const HalfOpen silent(port_, 100, "");
+  HalfOpen slow(port_, 100, "GET / HTTP/1.1\r\nHost: localhost\r\n");
+  const HalfOpen bodies(port_, 100, "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\nx");
+  for (int i = 0; i < 3; ++i) {
+    slow.say("X");
+    EXPECT_EQ(get(port_, "/").status, 200);
+  }
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  EXPECT_EQ(state_of(page, [](const json& s) { return s["role"] == "driver"; })["role"], "driver");
 }
 
 TEST_F(CockpitTest, NamesThePortThatItCannotHave) {
