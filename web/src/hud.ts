@@ -1,6 +1,6 @@
 /** The panels around the view. */
 import { colours } from './markers';
-import { inWords, parts, type Model, type Part, type Recall, type State, type Value } from './protocol';
+import { inWords, parts, type Activity, type Model, type Part, type Recall, type State, type Value } from './protocol';
 import { recallText, stuckText } from './recall';
 import { limitText, RefusalLog } from './refusals';
 import type { Stick } from './stick';
@@ -102,13 +102,20 @@ export class Hud {
     if (content !== '') text('cover-text', content);
   }
 
+  /** For programs that look at the page. */
+  activity(what: Activity): void {
+    document.body.dataset.state = what;
+  }
+
   disconnected(): void {
+    this.activity('waiting');
     this.role('lost', 'no connection');
     this.cover('The program does not answer. The page comes back by itself when it runs again.');
   }
 
   /** The connection stands, and nothing comes through; the next state takes it back. */
   noSignal(): void {
+    this.activity('waiting');
     this.role('lost', 'no signal');
     note('hint', 'No signal from the program: what is seen is old, and the stick counts as centred.');
   }
@@ -135,20 +142,20 @@ export class Hud {
     });
 
     const goal = state.goal;
-    text(
-      'segment',
-      goal ? `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}` : 'at rest',
-    );
-    text('phase', support(state.contact));
+    const fallen = state.state === 'fallen';
+    const segment = goal && `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}`;
+    text('segment', fallen ? 'fallen' : (segment ?? 'at rest'));
+    text('phase', fallen ? '' : support(state.contact));
     text('time', `${state.t.toFixed(1)} s`);
     const done = goal && state.segment.duration ? (state.segment.time ?? 0) / state.segment.duration : 0;
     element('progress').style.width = `${Math.round(100 * Math.min(1, done))}%`;
     text('com', metres(state.com));
     text('zmp', metres(state.zmp));
 
-    note('hint', state.device.armed ? '' : state.device.hint);
-    note('message', state.message || (state.fallen ? 'The robot has fallen.' : ''));
-    element('message').classList.toggle('fallen', state.fallen);
+    const hint = fallen ? 'The run is over. The program ends when the page is left.' : state.device.hint;
+    note('hint', !fallen && state.device.armed ? '' : hint);
+    note('message', state.message);
+    element('message').classList.toggle('fallen', fallen);
     this.wayBack(state, drives ? this.stick.recall() : 'none');
     this.limited(state, now);
     this.refused(state, now);
@@ -159,7 +166,7 @@ export class Hud {
     for (const way of ['retrace', 'home', 'stop']) element(way).classList.toggle('on', way === held);
     text('left', state.history > 0 ? String(state.history) : '');
     note('recall', recallText(state));
-    note('stuck', stuckText(state.refused_in_a_row, state.history));
+    note('stuck', stuckText(state.stuck));
   }
 
   /** Shown a little longer than the motion lasts, but not while another one goes all the way. */

@@ -89,7 +89,13 @@ document.addEventListener('visibilitychange', () => {
 });
 addEventListener('gamepadconnected', describePads);
 addEventListener('gamepaddisconnected', describePads);
-setInterval(() => send(true), sendPeriod);
+setInterval(() => {
+  if (signal.lost(performance.now())) {
+    letGo(); // nobody should hold keys for a robot that is not seen
+    hud.noSignal();
+  }
+  send(true);
+}, sendPeriod);
 
 // --- the program -------------------------------------------------------------------------------------
 
@@ -105,10 +111,6 @@ async function show(): Promise<void> {
 
   const draw = (now: number): void => {
     requestAnimationFrame(draw);
-    if (signal.lost(now)) {
-      letGo(); // nobody should hold keys for a robot that is not seen
-      hud.noSignal();
-    }
     if (state) {
       if (state !== drew) {
         robot.pose(state.bodies);
@@ -134,6 +136,7 @@ link.onState = (newest) => {
   const newly = newest.role === 'driver' && state?.role !== 'driver';
   state = newest;
   signal.heard(performance.now());
+  hud.activity(newest.state);
   if (newly) stick.letGo();
   if (newest.role === 'driver' && newest.recall !== 'none') stick.goingBack(newest.contact);
   hud.cover('');
