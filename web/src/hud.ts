@@ -31,6 +31,7 @@ const metres = (values: Value[]): string => `${values.map(millimetre).join('  ')
 export interface Actions {
   takeOrLeave(): void;
   toggleFollow(): void;
+  letGo(): void;
   moved(): void; // the stick, by a button
 }
 
@@ -66,9 +67,7 @@ export class Hud {
       stick.gamepad.needsHold = hold.checked;
       hold.blur();
     };
-    this.whilePressed('retrace');
-    this.whilePressed('home');
-    this.whilePressed('stop');
+    for (const button of document.querySelectorAll<HTMLButtonElement>('[data-way]')) this.whilePressed(button);
     this.onClick('take', actions.takeOrLeave);
     this.onClick('follow', actions.toggleFollow);
     this.onClick('help-button', () => this.toggleHelp());
@@ -92,6 +91,7 @@ export class Hud {
   toggleHelp(): void {
     const help = element<HTMLDialogElement>('help');
     if (help.open) return help.close();
+    this.actions.letGo(); // nobody drives while reading
     help.showModal();
     help.scrollTop = 0; // not where the focus is
   }
@@ -163,7 +163,8 @@ export class Hud {
 
   private wayBack(state: State, asked: Recall): void {
     const held = asked === 'none' ? state.recall : asked;
-    for (const way of ['retrace', 'home', 'stop']) element(way).classList.toggle('on', way === held);
+    for (const button of document.querySelectorAll<HTMLElement>('[data-way]'))
+      button.classList.toggle('on', button.dataset.way === held);
     text('left', state.history > 0 ? String(state.history) : '');
     note('recall', recallText(state));
     note('stuck', stuckText(state.stuck));
@@ -219,21 +220,21 @@ export class Hud {
   }
 
   /** A button in place of the stick: only while it is pressed, and the pointer on it. */
-  private whilePressed(way: Exclude<Recall, 'none'>): void {
-    const button = element<HTMLButtonElement>(way);
-    const { buttons } = this.stick;
+  private whilePressed(button: HTMLButtonElement): void {
+    const way = button.dataset.way as Recall;
+    const { stick } = this;
     let pointer: number | null = null;
     button.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       pointer = event.pointerId;
       if (button.hasPointerCapture(pointer)) button.releasePointerCapture(pointer); // a finger may leave
-      buttons.add(way);
+      stick.hold(way);
       this.actions.moved();
     });
     const end = (event: PointerEvent): void => {
       if (event.pointerId !== pointer) return;
       pointer = null;
-      buttons.delete(way);
+      stick.buttons.delete(way);
       button.blur(); // Space is a key of the stick
       this.actions.moved();
     };

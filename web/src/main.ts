@@ -24,6 +24,7 @@ const hud = new Hud(stick, {
     link.send({ type: wantsToDrive ? 'drive' : 'release' });
   },
   toggleFollow,
+  letGo,
   moved: () => send(false),
 });
 
@@ -62,26 +63,45 @@ function letGo(): void {
   send(false);
 }
 
-addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // the browser's own
-  const help = event.key === '?' || event.code === 'Slash';
-  if (document.querySelector('dialog[open]') && !help) return;
-  stick.keyboard.shift(event.shiftKey);
-  if (help) {
-    if (!event.repeat) hud.toggleHelp();
-  } else if (event.code === 'KeyC') {
-    if (!event.repeat) toggleFollow();
-  } else if (!event.repeat && !stick.press(event.code)) {
-    return;
-  }
-  if (event.code !== 'Tab') event.preventDefault();
+/** Space stops whatever is open, focused or held beside it, and does nothing else: it presses no button. */
+function stopKey(event: KeyboardEvent): void {
+  event.preventDefault();
+  event.stopImmediatePropagation();
+  if (event.type === 'keydown') stick.press('Space');
+  else stick.keyboard.release('Space');
   send(false);
-});
-addEventListener('keyup', (event) => {
-  stick.keyboard.shift(event.shiftKey);
-  stick.keyboard.release(event.code);
-  send(false);
-});
+}
+
+addEventListener(
+  'keydown',
+  (event) => {
+    if (event.code === 'Space') return stopKey(event);
+    if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // the browser's own
+    const help = event.key === '?' || event.code === 'Slash';
+    if (document.querySelector('dialog[open]') && !help) return;
+    stick.keyboard.shift(event.shiftKey);
+    if (help) {
+      if (!event.repeat) hud.toggleHelp();
+    } else if (event.code === 'KeyC') {
+      if (!event.repeat) toggleFollow();
+    } else if (!event.repeat && !stick.press(event.code)) {
+      return;
+    }
+    if (event.code !== 'Tab') event.preventDefault();
+    send(false);
+  },
+  { capture: true },
+);
+addEventListener(
+  'keyup',
+  (event) => {
+    if (event.code === 'Space') return stopKey(event);
+    stick.keyboard.shift(event.shiftKey);
+    stick.keyboard.release(event.code);
+    send(false);
+  },
+  { capture: true },
+);
 addEventListener('blur', letGo);
 addEventListener('pagehide', letGo);
 document.addEventListener('visibilitychange', () => {
@@ -138,6 +158,7 @@ link.onState = (newest) => {
   signal.heard(performance.now());
   hud.activity(newest.state);
   if (newly) stick.letGo();
+  if (newest.state === 'rest' || newest.state === 'fallen') stick.rests();
   if (newest.role === 'driver' && newest.recall !== 'none') stick.goingBack(newest.contact);
   hud.cover('');
 };
