@@ -127,6 +127,9 @@ async function show(): Promise<void> {
   made.scene.add(robot.root, markers.root);
   hud.describe(model);
   hud.following(made.follow);
+  markers.showAll(made.camera);
+  made.warmUp();
+  markers.root.visible = false;
   view = made;
 
   const draw = (now: number): void => {
@@ -142,7 +145,7 @@ async function show(): Promise<void> {
       made.watch(robot.position('trunk'));
       markers.show(state, made.camera);
     }
-    made.draw(now);
+    made.draw(now, state?.state === 'rest');
   };
   requestAnimationFrame(draw);
 }
