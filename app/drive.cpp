@@ -1,9 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
@@ -18,12 +21,26 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kStuck = 3;  ///< commands refused in a row after which the operator is told what leads out
+constexpr std::chrono::milliseconds kFrame{33};
 
-/// To be said once in a row of refusals.
-void say_what_leads_out(const Navigator& navigator) {
-  spdlog::warn("{} commands in a row were refused, nothing goes from here: {}home (H, T4, Start) leads out",
-               navigator.refused_in_a_row(), navigator.history() > 0 ? "retrace (Backspace, T3, Back) or " : "");
+/// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
+void say_what_leads_out(const Stuck& stuck) {
+  std::vector<std::string> ways;
+  if (stuck.retrace) ways.emplace_back("retrace (Backspace, T3, Back)");
+  if (stuck.home) ways.emplace_back("home (H, T4, Start)");
+  std::string part(to_string(stuck.part));
+  std::replace(part.begin(), part.end(), '_', ' ');
+  spdlog::warn("{}: refused {} times in a row; another part may move{}", part, stuck.times,
+               ways.empty() ? "" : fmt::format(", and {} leads out", fmt::join(ways, " or ")));
+}
+
+/// Shows how the robot lies until every page is left, or the program is interrupted.
+void show_fall(View& view, const Session& session, const Inputs& inputs, const Refusals& refusals) {
+  if (view.pages() > 0) spdlog::info("the page shows the fall; to end, leave the page or press Ctrl-C");
+  while (view.pages() > 0 && !interrupted) {
+    view.show(session, inputs.status(), refusals);
+    std::this_thread::sleep_for(kFrame);
+  }
 }
 
 }  // namespace
@@ -77,6 +94,7 @@ int drive(const DriveOptions& o) {
   const double period = robot.profile().tick.period;
   bool stopping = false;
   bool stuck = false;
+  Refusals refusals;
   while (!o.seconds || session.t() < *o.seconds - 0.5 * period) {
     if (interrupted && !stopping) {
       stopping = true;
@@ -89,9 +107,10 @@ int drive(const DriveOptions& o) {
       began = now;
     }
     session.step(stopping ? Command{} : inputs.read(session.t()));
-    if (view) view->show(session, inputs.status());
-    const bool was_stuck = std::exchange(stuck, session.navigator().refused_in_a_row() >= kStuck);
-    if (stuck && !was_stuck) say_what_leads_out(session.navigator());
+    refusals.look(session.navigator());
+    if (view) view->show(session, inputs.status(), refusals);
+    const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
+    if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
       session.step(Command{});  // the plan is cleared and the motors go soft: the last row says so
       break;
@@ -121,7 +140,10 @@ int drive(const DriveOptions& o) {
              world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
              summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
              session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
-  return session.fallen() ? kFallen : kDone;
+  std::fflush(stdout);
+  if (!session.fallen()) return kDone;
+  if (view) show_fall(*view, session, inputs, refusals);
+  return kFallen;
 }
 
 }  // namespace baton::app

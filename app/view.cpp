@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
 #include "baton/model/contact.hpp"
 #include "baton/record/trace.hpp"
@@ -15,7 +16,7 @@ constexpr double kShows = 0.2;      ///< of being pushed off its way before the 
 
 }  // namespace
 
-View::View(const Session& session, int port)
+View::View(Session& session, int port)
     : scene_(compile_text(session.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
       cockpit_(
@@ -25,19 +26,35 @@ View::View(const Session& session, int port)
             parameters.page = share_dir() / "web" / "dist";
             return parameters;
           }(),
-          session.robot(), session.world().name(), *scene_) {}
+          session.robot(), session.world().name(), *scene_) {
+  session.on_plan = [this, &session, before = std::move(session.on_plan)](const PlanRecord& record) {
+    if (before) before(record);
+    look(session.navigator());
+    planned_for_ = record.result.catches ? Recall::none : record.result.command.recall;
+  };
+}
 
-void View::show(const Session& session, const DeviceStatus& device) {
+void View::look(const Navigator& navigator) {
+  // Between two answers at most one motion is taken over: the first of them.
+  if (std::exchange(committed_, navigator.committed()) != navigator.committed()) motion_for_ = planned_for_;
+}
+
+Activity View::activity(const Session& session) const {
   const Navigator& nav = session.navigator();
+  if (session.fallen()) return Activity::fallen;
+  if (nav.motion() == nullptr) return Activity::rest;
+  if (nav.command().recall == Recall::stop || motion_for_ == Recall::stop) return Activity::stopping;
+  if (nav.motion()->retraces || motion_for_ != Recall::none) return Activity::retracing;
+  return Activity::moving;
+}
+
+void View::show(const Session& session, const DeviceStatus& device, const Refusals& refusals) {
+  const Navigator& nav = session.navigator();
+  look(nav);
   if (nav.segment() != segment_) {
     segment_ = nav.segment();
     segment_start_ = session.t();
   }
-  if (nav.refusal() && !refused_) {
-    ++refusals_;
-    refusal_ = nav.refusal();
-  }
-  refused_ = nav.refusal().has_value();
   if (session.t() - shown_ < 1.0 / 30.0 && !session.fallen()) return;
   shown_ = session.t();
 
@@ -73,10 +90,10 @@ void View::show(const Session& session, const DeviceStatus& device) {
   frame.com = Eigen::Map<const Vec3>(data_->subtree_com);
   frame.zmp = measured_zmp(truth, frame.support_height);
   frame.dcm = (anchor * nav.state().dcm(session.robot().omega())).head<2>();
-  frame.refusal = refusal_;
-  frame.refusals = refusals_;
-  frame.refused_in_a_row = nav.refused_in_a_row();
-  frame.fallen = session.fallen();
+  frame.refusal = refusals.newest();
+  frame.refusals = refusals.count();
+  frame.stuck = refusals.stuck();
+  frame.activity = activity(session);
   if (nav.slips() > slips_) {
     slips_ = nav.slips();
     slipped_ = session.t();
@@ -85,7 +102,7 @@ void View::show(const Session& session, const DeviceStatus& device) {
     steady_ = session.t();
     caught_ = nav.caught();
   }
-  if (frame.fallen) {
+  if (frame.activity == Activity::fallen) {
     frame.message = "The robot fell: " + truth.fall + ".";
   } else if (nav.guard() == Guard::lifted) {
     frame.message = "Lifted off the ground: it goes on when it stands again and the stick was let go of.";

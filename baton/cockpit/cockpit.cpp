@@ -26,8 +26,11 @@
 namespace baton {
 namespace {
 
-constexpr int kHttpThreads = 8;                    ///< beside one for each page
-constexpr const char* kHttpTimeout = "5000";       ///< for a request, and for a write that nobody takes [ms]
+/// A connection that sends no request, or half of one, holds a thread until it times out; these are many and that is
+/// short, so that hundreds of them do not keep pages out. The rest waits in the backlog.
+constexpr int kHttpThreads = 256;                  ///< beside one for each page
+constexpr const char* kHttpTimeout = "1000";       ///< for a request, and for a write that nobody takes [ms]
+constexpr const char* kBacklog = "1024";           ///< connections that wait for a thread
 constexpr const char* kWebSocketTimeout = "5000";  ///< of silence, then a ping [ms]
 
 struct CivetwebLibrary {
@@ -52,6 +55,7 @@ int respond(mg_connection* connection, int status, std::string_view type, std::s
       "Cross-Origin-Resource-Policy: same-origin\r\n"
       "X-Content-Type-Options: nosniff\r\n\r\n",
       status, mg_get_response_code_text(connection, status), type, body.size());
+  mg_disable_connection_keep_alive(connection);  // or it would read a body that comes as slowly as it likes
   mg_write(connection, head.data(), head.size());
   const bool head_only = std::string_view(mg_get_request_info(connection)->request_method) == "HEAD";
   if (!head_only) mg_write(connection, body.data(), body.size());
@@ -118,6 +122,7 @@ class Cockpit::Server {
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] std::string url() const { return fmt::format("http://{}:{}/", parameters_.host, port_); }
   [[nodiscard]] PageDevice& device() { return device_; }
+  [[nodiscard]] std::size_t pages();
 
   void publish(Frame frame) {
     auto newest = std::make_shared<const Frame>(std::move(frame));
@@ -139,11 +144,11 @@ class Cockpit::Server {
     std::thread sender;
   };
 
+  [[nodiscard]] bool is_full() { return pages() >= static_cast<std::size_t>(parameters_.pages); }
   void start();
   void knock() const;
   int answer(mg_connection* connection);
   int answer_file(mg_connection* connection, std::string_view name);
-  bool is_full();
   void enter(mg_connection* connection);
   bool hear(const mg_connection* connection, int bits, std::string_view text);
   void leave(const mg_connection* connection);
@@ -188,10 +193,12 @@ void Cockpit::Server::start() {
 
   const std::string address = fmt::format("{}:{}", parameters_.host, parameters_.port);
   const std::string threads = std::to_string(parameters_.pages + kHttpThreads);
-  std::array<const char*, 15> options{"listening_ports",
+  std::array<const char*, 17> options{"listening_ports",
                                       address.c_str(),
                                       "num_threads",
                                       threads.c_str(),
+                                      "listen_backlog",
+                                      kBacklog,
                                       "tcp_nodelay",
                                       "1",
                                       "request_timeout_ms",
@@ -256,9 +263,9 @@ int Cockpit::Server::answer_file(mg_connection* connection, std::string_view nam
   return respond_text(connection, 404, "There is no such file.");
 }
 
-bool Cockpit::Server::is_full() {
+std::size_t Cockpit::Server::pages() {
   const std::scoped_lock lock(pages_mutex_);
-  return pages_.size() >= static_cast<std::size_t>(parameters_.pages);
+  return pages_.size();
 }
 
 void Cockpit::Server::enter(mg_connection* connection) {
@@ -377,6 +384,9 @@ int Cockpit::port() const {
 }
 std::string Cockpit::url() const {
   return server_->url();
+}
+std::size_t Cockpit::pages() const {
+  return server_->pages();
 }
 void Cockpit::publish(Frame frame) {
   server_->publish(std::move(frame));

@@ -40,6 +40,9 @@ class Cockpit {
   /// Address of the page.
   [[nodiscard]] std::string url() const;
 
+  /// How many pages are open.
+  [[nodiscard]] std::size_t pages() const;
+
   /// Hands over the newest moment; the one before is dropped if it was not sent yet. Does not wait for any
   /// page. Called by one thread.
   void publish(Frame frame);

@@ -1,8 +1,11 @@
 /// What the page shows of one moment of a run.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "baton/guide/command.hpp"
@@ -14,9 +17,32 @@
 
 namespace baton {
 
+/// What the robot does, in a word.
+enum class Activity : std::uint8_t {
+  rest,
+  moving,
+  stopping,   ///< to rest, as quickly as can be
+  retracing,  ///< on a way back: what was done last, backwards, or home
+  fallen,
+};
+
+[[nodiscard]] constexpr std::string_view to_string(Activity activity) {
+  constexpr std::array<std::string_view, 5> names{"rest", "moving", "stopping", "retracing", "fallen"};
+  return names[static_cast<std::size_t>(activity)];
+}
+
+/// A part that was refused again and again at one rest, and what leads away from there.
+struct Stuck {
+  Part part = Part::trunk;
+  int times = 0;         ///< in a row
+  bool retrace = false;  ///< there is something to retrace, and that was not refused
+  bool home = false;     ///< going home was not refused
+};
+
 /// Places are in the frame of the scene, unless said otherwise.
 struct Frame {
-  double t = 0.0;            ///< since the start of the run [s]
+  double t = 0.0;  ///< since the start of the run [s]
+  Activity activity = Activity::rest;
   std::vector<Pose> bodies;  ///< of every body of the scene, in its order, the world included
 
   Command command;      ///< the one that is obeyed
@@ -37,9 +63,8 @@ struct Frame {
 
   std::optional<Refusal> refusal;  ///< the newest
   int refusals = 0;                ///< their number since the start: tells a new one from an old one
-  int refused_in_a_row = 0;        ///< different commands refused since the last motion
-  std::string message;             ///< one sentence for the operator; may be empty
-  bool fallen = false;
+  std::optional<Stuck> stuck;
+  std::string message;  ///< one sentence for the operator; may be empty
 };
 
 /// Poses of all bodies, for `Frame::bodies`.

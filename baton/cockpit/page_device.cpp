@@ -27,6 +27,7 @@ void PageDevice::release(Page page) {
   const std::scoped_lock lock(mutex_);
   if (driver_ != page) return;
   driver_.reset();
+  command_ = {.guide = command_.guide};
   arming_.update(false, false);
 }
 
@@ -39,7 +40,8 @@ bool PageDevice::give(Page page, const Command& command, bool deadman) {
   const Command wanted = deadman ? sanitised(command) : Command{.guide = command.guide};
   const std::scoped_lock lock(mutex_);
   if (driver_ != page) return false;
-  if (!heard()) arming_.update(false, false);  // a silence counts, whether anybody read meanwhile or not
+  // A silence counts, whether anybody read meanwhile or not.
+  if (!heard() || (stops() && wanted.recall != Recall::stop)) arming_.update(false, false);
   heard_at_ = clock_();
   arming_.update(true, at_rest(wanted));
   command_ = wanted;
@@ -49,7 +51,7 @@ bool PageDevice::give(Page page, const Command& command, bool deadman) {
 Command PageDevice::read(double /*t*/) {
   const std::scoped_lock lock(mutex_);
   if (!heard()) arming_.update(false, false);
-  return arming_.armed() ? command_ : Command{.guide = command_.guide};
+  return arming_.armed() || (heard() && stops()) ? command_ : Command{.guide = command_.guide};
 }
 
 DeviceStatus PageDevice::status() const {
@@ -57,7 +59,7 @@ DeviceStatus PageDevice::status() const {
   DeviceStatus status;
   status.name = "page";
   status.connected = heard();
-  status.armed = status.connected && arming_.armed();
+  status.armed = status.connected && (arming_.armed() || stops());
   if (!driver_) {
     status.hint = "Nobody drives: open the page and take the stick.";
   } else if (!status.connected) {

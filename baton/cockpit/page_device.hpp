@@ -41,13 +41,15 @@ class PageDevice final : public Device {
   bool give(Page page, const Command& command, bool deadman);
 
   /// The driver's newest command. Neutral, for the part chosen last, while there is no driver, when nothing
-  /// has come from it for `silence`, and from then on until it was at rest once.
+  /// has come from it for `silence`, and from then on until it was at rest once; also after a stop, so that what is
+  /// still held then moves nothing. A stop itself counts at any time.
   [[nodiscard]] Command read(double t) override;
 
   [[nodiscard]] DeviceStatus status() const override;
 
  private:
   [[nodiscard]] bool heard() const;
+  [[nodiscard]] bool stops() const { return command_.recall == Recall::stop; }
 
   Clock clock_;
   Parameters parameters_;

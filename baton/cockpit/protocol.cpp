@@ -64,6 +64,10 @@ json refusal(const Refusal& refusal) {
           {"where", refusal.where}};
 }
 
+json stuck(const Stuck& stuck) {
+  return {{"part", to_string(stuck.part)}, {"times", stuck.times}, {"retrace", stuck.retrace}, {"home", stuck.home}};
+}
+
 constexpr std::array<std::string_view, 4> kRecalls{"none", "retrace", "home", "stop"};
 
 std::optional<Recall> recall_named(std::string_view name) {
@@ -139,6 +143,7 @@ std::string state_message(const Frame& frame, const DeviceStatus& device, const 
       {"type", "state"},
       {"role", role == Role::driver ? "driver" : "watcher"},
       {"taken", taken},
+      {"state", to_string(frame.activity)},
       {"t", number(frame.t)},
       {"bodies", bodies},
       {"guide", to_string(frame.command.guide)},
@@ -157,11 +162,10 @@ std::string state_message(const Frame& frame, const DeviceStatus& device, const 
       {"dcm", numbers(frame.dcm)},
       {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
       {"refusals", frame.refusals},
-      {"refused_in_a_row", frame.refused_in_a_row},
+      {"stuck", frame.stuck ? stuck(*frame.stuck) : json(nullptr)},
       {"limit", frame.limit ? refusal(*frame.limit) : json(nullptr)},
       {"history", frame.history},
-      {"message", frame.message},
-      {"fallen", frame.fallen}};
+      {"message", frame.message}};
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

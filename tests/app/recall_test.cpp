@@ -307,7 +307,7 @@ TEST(Recall, StopComesToRestSoonerThanLettingGo) {
 }
 
 TEST(Recall, ThreeRefusalsInARowAreSaidOnceUntilAMotionIsMade) {
-  const std::string said = "commands in a row were refused";
+  const std::string said = "left foot: refused 3 times in a row; another part may move";
   const auto [report, log] = drive(kThreeRefusals, "2", "discard");
   ASSERT_EQ(report["segments"]["committed"], 0) << "the commands are to be refused";
   EXPECT_EQ(times(said, log), 1) << log;

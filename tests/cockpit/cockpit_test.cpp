@@ -1,31 +1,33 @@
 #include "baton/cockpit/cockpit.hpp"
 #include "tests/support/temp.hpp"
 
+#include <arpa/inet.h>
 #include <civetweb.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <deque>
 #include <fstream>
 #include <functional>
 #include <limits>
-#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "baton/model/error.hpp"
 #include "baton/model/world.hpp"
+#include "tests/support/browser.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
 using nlohmann::json;
-
-constexpr std::chrono::seconds kPatience{20};
+using test::Browser;
+using test::kPatience;
 
 const mjModel& room_with_mighty() {
   static const ModelPtr model = [] {
@@ -69,85 +71,6 @@ Response get(int port, const std::string& path, const std::string& headers = "Ho
 const std::string kUpgrade =
     "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
-
-/// A page as the server sees it.
-class Browser {
- public:
-  explicit Browser(int port) {
-    std::array<char, 256> error{};
-    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error.data(), error.size(), "/ws", nullptr,
-                                              on_message, nullptr, this);
-    EXPECT_NE(connection_, nullptr) << error.data();
-  }
-  ~Browser() { close(); }
-  Browser(const Browser&) = delete;
-  Browser& operator=(const Browser&) = delete;
-
-  void close() {
-    if (connection_ == nullptr) return;
-    say("", MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE);
-    mg_close_connection(connection_);
-    connection_ = nullptr;
-  }
-
-  void say(const std::string& text, int opcode = MG_WEBSOCKET_OPCODE_TEXT) {
-    mg_websocket_client_write(connection_, opcode, text.data(), text.size());
-  }
-
-  /// The next message that fits; null when none comes.
-  json next(const std::function<bool(const json&)>& fits) {
-    std::unique_lock lock(mutex_);
-    json found;
-    came_.wait_for(lock, kPatience, [&] {
-      for (; !messages_.empty() && found.is_null(); messages_.pop_front()) {
-        if (fits(messages_.front())) found = messages_.front();
-      }
-      return !found.is_null();
-    });
-    return found;
-  }
-
-  /// The server's complaint about a message.
-  std::string error_after(const std::string& text, int opcode = MG_WEBSOCKET_OPCODE_TEXT) {
-    say(text, opcode);
-    const json message = next([](const json& m) { return m["type"] == "error"; });
-    return message.is_null() ? "" : message["text"].get<std::string>();
-  }
-
-  /// Returns when the server has taken in all that was said before.
-  void settle() {
-    say(R"({"type":"?"})");
-    const auto answer = [](const json& m) { return m["type"] == "error" && m["text"] == "unknown type of message"; };
-    EXPECT_FALSE(next(answer).is_null());
-  }
-
-  void steer(const Command& command, bool deadman = true) {
-    say(json{{"type", "command"},
-             {"guide", to_string(command.guide)},
-             {"axes", std::vector<double>(command.axes.begin(), command.axes.end())},
-             {"lift", {command.lift.left, command.lift.right}},
-             {"deadman", deadman},
-             {"recall", command.recall == Recall::none      ? "none"
-                        : command.recall == Recall::retrace ? "retrace"
-                                                            : "home"}}
-            .dump());
-  }
-
- private:
-  static int on_message(mg_connection* /*connection*/, int bits, char* text, std::size_t size, void* self) {
-    auto& browser = *static_cast<Browser*>(self);
-    if ((bits & 0x0F) != MG_WEBSOCKET_OPCODE_TEXT) return 1;
-    const std::scoped_lock lock(browser.mutex_);
-    browser.messages_.push_back(json::parse(text, text + size));
-    browser.came_.notify_all();
-    return 1;
-  }
-
-  std::mutex mutex_;
-  std::condition_variable came_;
-  std::deque<json> messages_;
-  mg_connection* connection_ = nullptr;
-};
 
 class CockpitTest : public testing::Test {
  protected:
@@ -273,7 +196,8 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
   frame_.goal->sole.left.p.x() = 0.5;
   frame_.refusal = Refusal{Reason::joint_limit, Part::left_hand, 1.5, 1.4, "elb\xffow"};
   frame_.refusals = 7;
-  frame_.refused_in_a_row = 3;
+  frame_.stuck = Stuck{Part::left_foot, 3, true, false};
+  frame_.activity = Activity::retracing;
   frame_.limit = Refusal{Reason::foot_region, Part::left_foot, 0.12, 0.11, "forward"};
   frame_.history = 12;
   frame_.command.recall = Recall::home;
@@ -288,7 +212,8 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
     EXPECT_NEAR(state["goal"]["soles"][0][0][0].get<double>(), 0.5 + robot_.sole(Side::left).vertices()[0].x(), 1e-4);
     EXPECT_EQ(state["refusal"]["reason"], "joint_limit");
     EXPECT_EQ(state["refusals"], 7);
-    EXPECT_EQ(state["refused_in_a_row"], 3);
+    EXPECT_EQ(state["stuck"], json({{"part", "left_foot"}, {"times", 3}, {"retrace", true}, {"home", false}}));
+    EXPECT_EQ(state["state"], "retracing");
     EXPECT_EQ(state["limit"]["reason"], "foot_region");
     EXPECT_EQ(state["limit"]["where"], "forward");
     EXPECT_EQ(state["history"], 12);
@@ -297,6 +222,35 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
     EXPECT_EQ(state["role"], "watcher");
     EXPECT_EQ(state["taken"], false);
   }
+}
+
+TEST_F(CockpitTest, TellsWhatTheRobotDoesInAWord) {
+  Browser page(port_);
+  for (const auto& [activity, word] : {std::pair{Activity::rest, "rest"},
+                                       {Activity::moving, "moving"},
+                                       {Activity::stopping, "stopping"},
+                                       {Activity::retracing, "retracing"},
+                                       {Activity::fallen, "fallen"}}) {
+    frame_.activity = activity;
+    const double now = frame_.t;
+    EXPECT_EQ(state_of(page, [now](const json& s) { return s["t"] > now; })["state"], word);
+  }
+}
+
+TEST_F(CockpitTest, KnowsHowManyPagesAreOpen) {
+  EXPECT_EQ(cockpit_.pages(), 0u);
+  Browser first(port_);
+  {
+    Browser second(port_);
+    first.settle();
+    second.settle();
+    EXPECT_EQ(cockpit_.pages(), 2u);
+    first.say(R"({"type":"drive"})");
+    EXPECT_FALSE(state_of(second, [](const json& s) { return s["taken"] == true; }).is_null());
+    EXPECT_EQ(cockpit_.pages(), 2u) << "whether they drive or not";
+  }
+  EXPECT_FALSE(state_of(first, [this](const json&) { return cockpit_.pages() == 1; }).is_null());
+  EXPECT_EQ(cockpit_.pages(), 1u);
 }
 
 TEST_F(CockpitTest, OnePageDrivesAndTheOthersWatch) {
@@ -469,6 +423,51 @@ TEST_F(CockpitTest, LimitsTheNumberOfPages) {
   }
   EXPECT_EQ(get(port_, "/ws", "Host: localhost\r\n" + kUpgrade).status, 503);
   EXPECT_EQ(get(port_, "/").status, 200);
+}
+
+/// Connections that are opened and then say this much; they stand as long as the object does.
+class HalfOpen {
+ public:
+  HalfOpen(int port, int count, const std::string& says) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    for (int i = 0; i < count; ++i) {
+      const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+      EXPECT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+      sockets_.push_back(socket);
+    }
+    say(says);
+  }
+  ~HalfOpen() {
+    for (const int socket : sockets_)
+      ::close(socket);
+  }
+  HalfOpen(const HalfOpen&) = delete;
+  HalfOpen& operator=(const HalfOpen&) = delete;
+
+  void say(const std::string& text) {
+    for (const int socket : sockets_)
+      ::send(socket, text.data(), text.size(), MSG_NOSIGNAL);
+  }
+
+ private:
+  std::vector<int> sockets_;
+};
+
+TEST_F(CockpitTest, HalfOpenConnectionsDoNotKeepPagesOut) {
+  // Each held a thread of sixteen for 5 s, so that a page waited for 30 s behind 100 of them.
+  const HalfOpen silent(port_, 100, "");
+  HalfOpen slow(port_, 100, "GET / HTTP/1.1\r\nHost: localhost\r\n");
+  const HalfOpen bodies(port_, 100, "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\nx");
+  for (int i = 0; i < 3; ++i) {
+    slow.say("X");
+    EXPECT_EQ(get(port_, "/").status, 200);
+  }
+  Browser page(port_);
+  page.say(R"({"type":"drive"})");
+  EXPECT_EQ(state_of(page, [](const json& s) { return s["role"] == "driver"; })["role"], "driver");
 }
 
 TEST_F(CockpitTest, NamesThePortThatItCannotHave) {

@@ -123,6 +123,41 @@ TEST_F(PageDeviceTest, AThrottleThatIsStillUpIsNotAtRestWhicheverPartIsGuided) {
   EXPECT_EQ(read(), lifted());
 }
 
+TEST_F(PageDeviceTest, WhatIsHeldBesideAStopCountsOnceItWasLetGoOf) {
+  drive();
+  give(reach());
+  Command stop = reach();
+  stop.recall = Recall::stop;
+  give(stop);
+  EXPECT_EQ(read(), stop);
+  for (const Command& held : {reach(), lifted(), Command{.recall = Recall::home}}) {
+    give(stop);
+    give(held);
+    EXPECT_TRUE(read().neutral()) << "it was held beside the stop";
+    EXPECT_THAT(device_.status().hint, HasSubstr("Let go"));
+  }
+  give({.guide = Part::right_hand});
+  give(reach());
+  EXPECT_EQ(read(), reach());
+}
+
+TEST_F(PageDeviceTest, AStopCountsThoughTheStickDoesNot) {
+  ASSERT_TRUE(device_.take(kPage));
+  give(reach());
+  EXPECT_TRUE(read().neutral());
+  Command stop = reach();
+  stop.recall = Recall::stop;
+  give(stop);
+  EXPECT_EQ(read(), stop);
+  EXPECT_TRUE(device_.status().armed);
+  now_ += 0.3;
+  EXPECT_TRUE(read().neutral()) << "a frozen page does not stop for ever";
+  give(stop);
+  device_.release(kPage);
+  ASSERT_TRUE(device_.take(kPage + 1));
+  EXPECT_EQ(read().recall, Recall::none) << "nor one that is gone";
+}
+
 TEST_F(PageDeviceTest, WhatIsNotANumberIsCentred) {
   drive();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -141,11 +176,11 @@ TEST_F(PageDeviceTest, ADriverThatNeverSaysAnythingIsSilent) {
 }
 
 /// Against the rule in words, over histories of everything that can happen to a seat.
-TEST_F(PageDeviceTest, ACommandCountsOnlyWhileHeardAndAtRestOnceSinceTheLastSilence) {
+TEST_F(PageDeviceTest, ACommandCountsOnlyWhileHeardAndAtRestOnceSinceTheLastSilenceOrStop) {
   std::mt19937_64 random(3);
   PageDevice::Page driver = 0;  // nobody
   double heard_at = 0.0;
-  bool rested = false;  // since it came, or since the last silence
+  bool rested = false;  // since it came, or since the last silence or stop
   Command newest;
   int counted = 0;
   int silences = 0;
@@ -160,17 +195,22 @@ TEST_F(PageDeviceTest, ACommandCountsOnlyWhileHeardAndAtRestOnceSinceTheLastSile
       }
       EXPECT_EQ(device_.take(page), driver == page);
     } else if (event == 1) {
-      if (driver == page) driver = 0;
+      if (driver == page) {
+        driver = 0;
+        newest = {.guide = newest.guide};
+      }
       device_.release(page);
     } else {
       Command command{.guide = kParts[random() % kParts.size()]};
       if (random() % 4 != 0) command.axes[static_cast<Eigen::Index>(random() % 6)] = 1.0;
       if (random() % 4 == 0) command.lift.left = 0.5;
+      if (random() % 8 == 0) command.recall = Recall::stop;
       const bool deadman = random() % 8 != 0;
       EXPECT_EQ(device_.give(page, command, deadman), driver == page);
       if (driver == page) {
+        const bool stopped = newest.recall == Recall::stop;
         newest = deadman ? command : Command{.guide = command.guide};
-        if (now_ - heard_at > 0.25) rested = false;
+        if (now_ - heard_at > 0.25 || (stopped && newest.recall != Recall::stop)) rested = false;
         heard_at = now_;
         rested = rested || at_rest(newest);
       }
@@ -179,7 +219,7 @@ TEST_F(PageDeviceTest, ACommandCountsOnlyWhileHeardAndAtRestOnceSinceTheLastSile
     const bool silent = now_ - heard_at > 0.25;
     if (random() % 3 == 0) continue;  // nobody looks
     const Command command = read();
-    const bool counts = driver != 0 && rested && !silent;
+    const bool counts = driver != 0 && !silent && (rested || newest.recall == Recall::stop);
     ASSERT_EQ(command, counts ? newest : Command{.guide = newest.guide});
     ASSERT_EQ(device_.status().armed, counts);
     ASSERT_EQ(device_.status().connected, driver != 0 && !silent);

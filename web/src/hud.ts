@@ -1,6 +1,6 @@
 /** The panels around the view. */
 import { colours } from './markers';
-import { inWords, parts, type Model, type Part, type Recall, type State, type Value } from './protocol';
+import { inWords, parts, type Activity, type Model, type Part, type Recall, type State, type Value } from './protocol';
 import { recallText, stuckText } from './recall';
 import { limitText, RefusalLog } from './refusals';
 import type { Stick } from './stick';
@@ -31,6 +31,7 @@ const metres = (values: Value[]): string => `${values.map(millimetre).join('  ')
 export interface Actions {
   takeOrLeave(): void;
   toggleFollow(): void;
+  letGo(): void;
   moved(): void; // the stick, by a button
 }
 
@@ -66,9 +67,7 @@ export class Hud {
       stick.gamepad.needsHold = hold.checked;
       hold.blur();
     };
-    this.whilePressed('retrace');
-    this.whilePressed('home');
-    this.whilePressed('stop');
+    for (const button of document.querySelectorAll<HTMLButtonElement>('[data-way]')) this.whilePressed(button);
     this.onClick('take', actions.takeOrLeave);
     this.onClick('follow', actions.toggleFollow);
     this.onClick('help-button', () => this.toggleHelp());
@@ -92,6 +91,7 @@ export class Hud {
   toggleHelp(): void {
     const help = element<HTMLDialogElement>('help');
     if (help.open) return help.close();
+    this.actions.letGo(); // nobody drives while reading
     help.showModal();
     help.scrollTop = 0; // not where the focus is
   }
@@ -102,13 +102,20 @@ export class Hud {
     if (content !== '') text('cover-text', content);
   }
 
+  /** For programs that look at the page. */
+  activity(what: Activity): void {
+    document.body.dataset.state = what;
+  }
+
   disconnected(): void {
+    this.activity('waiting');
     this.role('lost', 'no connection');
     this.cover('The program does not answer. The page comes back by itself when it runs again.');
   }
 
   /** The connection stands, and nothing comes through; the next state takes it back. */
   noSignal(): void {
+    this.activity('waiting');
     this.role('lost', 'no signal');
     note('hint', 'No signal from the program: what is seen is old, and the stick counts as centred.');
   }
@@ -135,20 +142,20 @@ export class Hud {
     });
 
     const goal = state.goal;
-    text(
-      'segment',
-      goal ? `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}` : 'at rest',
-    );
-    text('phase', support(state.contact));
+    const fallen = state.state === 'fallen';
+    const segment = goal && `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}`;
+    text('segment', fallen ? 'fallen' : (segment ?? 'at rest'));
+    text('phase', fallen ? '' : support(state.contact));
     text('time', `${state.t.toFixed(1)} s`);
     const done = goal && state.segment.duration ? (state.segment.time ?? 0) / state.segment.duration : 0;
     element('progress').style.width = `${Math.round(100 * Math.min(1, done))}%`;
     text('com', metres(state.com));
     text('zmp', metres(state.zmp));
 
-    note('hint', state.device.armed ? '' : state.device.hint);
-    note('message', state.message || (state.fallen ? 'The robot has fallen.' : ''));
-    element('message').classList.toggle('fallen', state.fallen);
+    const hint = fallen ? 'The run is over. The program ends when the page is left.' : state.device.hint;
+    note('hint', !fallen && state.device.armed ? '' : hint);
+    note('message', state.message);
+    element('message').classList.toggle('fallen', fallen);
     this.wayBack(state, drives ? this.stick.recall() : 'none');
     this.limited(state, now);
     this.refused(state, now);
@@ -156,10 +163,11 @@ export class Hud {
 
   private wayBack(state: State, asked: Recall): void {
     const held = asked === 'none' ? state.recall : asked;
-    for (const way of ['retrace', 'home', 'stop']) element(way).classList.toggle('on', way === held);
+    for (const button of document.querySelectorAll<HTMLElement>('[data-way]'))
+      button.classList.toggle('on', button.dataset.way === held);
     text('left', state.history > 0 ? String(state.history) : '');
     note('recall', recallText(state));
-    note('stuck', stuckText(state.refused_in_a_row, state.history));
+    note('stuck', stuckText(state.stuck));
   }
 
   /** Shown a little longer than the motion lasts, but not while another one goes all the way. */
@@ -212,21 +220,21 @@ export class Hud {
   }
 
   /** A button in place of the stick: only while it is pressed, and the pointer on it. */
-  private whilePressed(way: Exclude<Recall, 'none'>): void {
-    const button = element<HTMLButtonElement>(way);
-    const { buttons } = this.stick;
+  private whilePressed(button: HTMLButtonElement): void {
+    const way = button.dataset.way as Recall;
+    const { stick } = this;
     let pointer: number | null = null;
     button.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       pointer = event.pointerId;
       if (button.hasPointerCapture(pointer)) button.releasePointerCapture(pointer); // a finger may leave
-      buttons.add(way);
+      stick.hold(way);
       this.actions.moved();
     });
     const end = (event: PointerEvent): void => {
       if (event.pointerId !== pointer) return;
       pointer = null;
-      buttons.delete(way);
+      stick.buttons.delete(way);
       button.blur(); // Space is a key of the stick
       this.actions.moved();
     };

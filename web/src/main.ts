@@ -24,6 +24,7 @@ const hud = new Hud(stick, {
     link.send({ type: wantsToDrive ? 'drive' : 'release' });
   },
   toggleFollow,
+  letGo,
   moved: () => send(false),
 });
 
@@ -62,26 +63,45 @@ function letGo(): void {
   send(false);
 }
 
-addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // the browser's own
-  const help = event.key === '?' || event.code === 'Slash';
-  if (document.querySelector('dialog[open]') && !help) return;
-  stick.keyboard.shift(event.shiftKey);
-  if (help) {
-    if (!event.repeat) hud.toggleHelp();
-  } else if (event.code === 'KeyC') {
-    if (!event.repeat) toggleFollow();
-  } else if (!event.repeat && !stick.press(event.code)) {
-    return;
-  }
-  if (event.code !== 'Tab') event.preventDefault();
+/** Space stops whatever is open, focused or held beside it, and does nothing else: it presses no button. */
+function stopKey(event: KeyboardEvent): void {
+  event.preventDefault();
+  event.stopImmediatePropagation();
+  if (event.type === 'keydown') stick.press('Space');
+  else stick.keyboard.release('Space');
   send(false);
-});
-addEventListener('keyup', (event) => {
-  stick.keyboard.shift(event.shiftKey);
-  stick.keyboard.release(event.code);
-  send(false);
-});
+}
+
+addEventListener(
+  'keydown',
+  (event) => {
+    if (event.code === 'Space') return stopKey(event);
+    if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // the browser's own
+    const help = event.key === '?' || event.code === 'Slash';
+    if (document.querySelector('dialog[open]') && !help) return;
+    stick.keyboard.shift(event.shiftKey);
+    if (help) {
+      if (!event.repeat) hud.toggleHelp();
+    } else if (event.code === 'KeyC') {
+      if (!event.repeat) toggleFollow();
+    } else if (!event.repeat && !stick.press(event.code)) {
+      return;
+    }
+    if (event.code !== 'Tab') event.preventDefault();
+    send(false);
+  },
+  { capture: true },
+);
+addEventListener(
+  'keyup',
+  (event) => {
+    if (event.code === 'Space') return stopKey(event);
+    stick.keyboard.shift(event.shiftKey);
+    stick.keyboard.release(event.code);
+    send(false);
+  },
+  { capture: true },
+);
 addEventListener('blur', letGo);
 addEventListener('pagehide', letGo);
 document.addEventListener('visibilitychange', () => {
@@ -89,7 +109,13 @@ document.addEventListener('visibilitychange', () => {
 });
 addEventListener('gamepadconnected', describePads);
 addEventListener('gamepaddisconnected', describePads);
-setInterval(() => send(true), sendPeriod);
+setInterval(() => {
+  if (signal.lost(performance.now())) {
+    letGo(); // nobody should hold keys for a robot that is not seen
+    hud.noSignal();
+  }
+  send(true);
+}, sendPeriod);
 
 // --- the program -------------------------------------------------------------------------------------
 
@@ -101,14 +127,13 @@ async function show(): Promise<void> {
   made.scene.add(robot.root, markers.root);
   hud.describe(model);
   hud.following(made.follow);
+  markers.showAll(made.camera);
+  made.warmUp();
+  markers.root.visible = false;
   view = made;
 
   const draw = (now: number): void => {
     requestAnimationFrame(draw);
-    if (signal.lost(now)) {
-      letGo(); // nobody should hold keys for a robot that is not seen
-      hud.noSignal();
-    }
     if (state) {
       if (state !== drew) {
         robot.pose(state.bodies);
@@ -120,7 +145,7 @@ async function show(): Promise<void> {
       made.watch(robot.position('trunk'));
       markers.show(state, made.camera);
     }
-    made.draw(now);
+    made.draw(now, state?.state === 'rest');
   };
   requestAnimationFrame(draw);
 }
@@ -134,7 +159,9 @@ link.onState = (newest) => {
   const newly = newest.role === 'driver' && state?.role !== 'driver';
   state = newest;
   signal.heard(performance.now());
+  hud.activity(newest.state);
   if (newly) stick.letGo();
+  if (newest.state === 'rest' || newest.state === 'fallen') stick.rests();
   if (newest.role === 'driver' && newest.recall !== 'none') stick.goingBack(newest.contact);
   hud.cover('');
 };

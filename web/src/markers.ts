@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import { Line2 } from 'three/addons/lines/Line2.js';
 import { LineGeometry } from 'three/addons/lines/LineGeometry.js';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
-import { finite, type State, type Value } from './protocol';
+import { finite, type Goal, type State, type Value } from './protocol';
 
 export const colours = {
   support: '#2e9e6b',
@@ -11,6 +11,10 @@ export const colours = {
   zmp: '#d8402f',
   dcm: '#2f6fd8',
   goal: '#e08a00',
+};
+
+type Shown = Pick<State, 'support' | 'support_height' | 'com' | 'zmp' | 'dcm'> & {
+  goal: Pick<Goal, 'soles' | 'hands' | 'com'> | null;
 };
 
 /** A flat area with a rim. */
@@ -119,8 +123,30 @@ export class Markers {
     this.root.add(...this.hands, this.plumb);
   }
 
+  /** Shows everything that there is, anywhere. */
+  showAll(camera: THREE.Camera): void {
+    const corners = [
+      [0, 0, 0],
+      [1, 0, 0],
+      [0, 1, 0],
+    ];
+    const place = [0, 0, 0];
+    this.show(
+      {
+        support: corners.map((corner) => corner.slice(0, 2)),
+        support_height: 0,
+        com: place,
+        zmp: [0, 0],
+        dcm: [0, 0],
+        goal: { soles: [corners, corners], hands: [place, place], com: place },
+      },
+      camera,
+    );
+  }
+
   /** `camera`: what faces the eye turns to it. */
-  show(state: State, camera: THREE.Camera): void {
+  show(state: Shown, camera: THREE.Camera): void {
+    this.root.visible = true;
     const ground = state.support_height ?? 0;
     const above = ground + 0.004 * this.size;
     this.support.show(state.support.map((vertex) => [...vertex, above]));

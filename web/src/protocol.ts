@@ -46,8 +46,20 @@ export interface Goal {
   com: Value[];
 }
 
+/** What the robot does; `waiting`: nothing is known of it. */
+export type Activity = 'rest' | 'moving' | 'stopping' | 'retracing' | 'fallen' | 'waiting';
+
+/** A part that was refused again and again at one rest, and what leads away from there. */
+export interface Stuck {
+  part: Part;
+  times: number; // in a row
+  retrace: boolean;
+  home: boolean;
+}
+
 export interface State {
   type: 'state';
+  state: Activity;
   role: 'driver' | 'watcher';
   taken: boolean;
   t: number;
@@ -69,9 +81,8 @@ export interface State {
   dcm: Value[];
   refusal: Refusal | null;
   refusals: number;
-  refused_in_a_row: number; // different commands since the last motion
+  stuck: Stuck | null;
   message: string;
-  fallen: boolean;
 }
 
 export interface Geom {

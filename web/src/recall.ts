@@ -1,19 +1,21 @@
 /** What is asked for in place of the stick, in words. */
-import type { State } from './protocol';
-
-const stuckAfter = 3; // commands refused in a row
+import { inWords, type State, type Stuck } from './protocol';
 
 /** What goes on while a button is held; '' when there is nothing to say. */
-export function recallText({ recall, history, goal }: Pick<State, 'recall' | 'history' | 'goal'>): string {
-  if (recall === 'stop') return goal ? 'stopping' : 'stopped: nothing begins while this is held';
+export function recallText({ recall, state, history }: Pick<State, 'recall' | 'state' | 'history'>): string {
+  if (recall === 'stop' && state === 'stopping') return 'stopping';
+  if (recall === 'stop' && state === 'rest') return 'stopped: nothing begins while this is held';
+  if (state !== 'retracing') return ''; // refused, or waiting for the motion before to end
   if (recall === 'home') return 'home: to the stance that it began in';
-  if (recall === 'none' || (history === 0 && !goal)) return ''; // the refusal says that nothing is left
+  if (recall !== 'retrace') return '';
   return `retracing: back the way it came${history > 0 ? `, ${history} more` : ''}`;
 }
 
-/** What leads out when nothing goes; '' while something does. */
-export function stuckText(refusedInARow: number, history: number): string {
-  if (refusedInARow < stuckAfter) return '';
-  const ways = history > 0 ? 'Retrace (Backspace) or Home (H) leads out.' : 'Home (H) leads out.';
-  return `Nothing goes from here. ${ways}`;
+/** What leads out for a part that is refused again and again. */
+export function stuckText(stuck: Stuck | null): string {
+  if (!stuck) return '';
+  const times = stuck.times === 3 ? 'three' : String(stuck.times);
+  const ways = [stuck.retrace ? 'Retrace (Backspace)' : '', stuck.home ? 'Home (H)' : ''].filter(Boolean);
+  const advice = ways.length > 0 ? `, and ${ways.join(' or ')} leads out` : '';
+  return `The ${inWords(stuck.part)} was refused ${times} times in a row. Another part may move${advice}.`;
 }

@@ -9,6 +9,7 @@ export class Stick {
   readonly buttons = new Set<Recall>(); // those of the page that are pressed
   readonly keyboard = new Keyboard();
   readonly gamepad = new Gamepad();
+  private stopping = false; // until the robot rests, though nobody holds it any more
 
   /** Centres all that could be held: the page lost its keys, or the operator wants to stop. */
   letGo(): void {
@@ -17,7 +18,24 @@ export class Stick {
     this.lift = [0, 0];
   }
 
-  /** Keys that are no axes: 1…5 choose, L lifts the guided foot or lowers it, Space lets go of all else. */
+  /** A button of the page is pressed. */
+  hold(way: Recall): void {
+    if (way === 'stop') this.stop();
+    this.buttons.add(way);
+  }
+
+  /** The robot rests: a stop that nobody holds is over. */
+  rests(): void {
+    this.stopping = this.held() === 'stop';
+  }
+
+  /** Lets go of all else; lasts as long as it is held, and then until the robot rests. */
+  private stop(): void {
+    this.letGo();
+    this.stopping = true;
+  }
+
+  /** Keys that are no axes: 1…5 choose, L lifts the guided foot or lowers it, Space stops. */
   press(code: string): boolean {
     const digit = /^(?:Digit|Numpad)([1-5])$/.exec(code);
     if (digit) {
@@ -27,7 +45,7 @@ export class Stick {
       const foot = this.guide === 'left_foot' ? 0 : 1;
       this.lift[foot] = this.lift[foot] > 0 ? 0 : 1;
     } else {
-      if (code === 'Space') this.letGo();
+      if (code === 'Space') this.stop();
       return this.keyboard.press(code);
     }
     return true;
@@ -35,6 +53,10 @@ export class Stick {
 
   /** What keys and buttons of the page ask for in place of the stick. */
   recall(): Recall {
+    return this.stopping ? 'stop' : this.held();
+  }
+
+  private held(): Recall {
     return oneOf([this.keyboard.recall(), ...this.buttons]);
   }
 
@@ -49,8 +71,12 @@ export class Stick {
   command(pad: Pad | null): Command {
     const held = this.gamepad.read(pad);
     if (held?.choose) this.guide = held.choose;
-    const axes = this.keyboard.axes();
+    if (held?.deadman && held.recall === 'stop') this.stop();
     const recall = this.recall();
+    if (recall === 'stop') {
+      return { guide: this.guide, axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], recall, deadman: true };
+    }
+    const axes = this.keyboard.axes();
     const idle = recall === 'none' && axes.every((value) => value === 0);
     if (held !== null && touched(held) && (held.deadman || idle)) {
       const { axes, lift, deadman } = held;

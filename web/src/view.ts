@@ -68,10 +68,41 @@ export class View {
     this.key.position.copy(target).add(new THREE.Vector3(-2.2, -3.0, 6.5).multiplyScalar(this.size));
   }
 
-  draw(now: number): void {
-    this.adapt(now);
+  /**
+   * Draws everything once, seen or not, with no more detail than the machine can bear, and waits until it is done.
+   * Shaders are compiled at the first use, and buffers made; without a graphics card that may take a second, for which a
+   * page that drives would be silent.
+   */
+  warmUp(): void {
+    const before = new Map<THREE.Object3D, { visible: boolean; frustumCulled: boolean }>();
+    this.scene.traverse((object) => {
+      before.set(object, { visible: object.visible, frustumCulled: object.frustumCulled });
+      Object.assign(object, { visible: true, frustumCulled: false });
+    });
+    this.timeOfPicture();
+    while (this.timeOfPicture() > slow && this.lessDetail());
+    for (const [object, was] of before) Object.assign(object, was);
+  }
+
+  /** `calm`: it may take longer now and then. */
+  draw(now: number, calm: boolean): void {
+    if (this.last > 0) this.mean += 0.1 * (Math.min(now - this.last, 500) - this.mean);
+    this.last = now;
+    if (calm && this.mean > slow) {
+      this.mean = 16;
+      this.lessDetail();
+    }
     this.controls.update();
     this.renderer.render(this.scene, this.camera);
+  }
+
+  /** From the first command to the last pixel [ms]. */
+  private timeOfPicture(): number {
+    const began = performance.now();
+    this.renderer.render(this.scene, this.camera);
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits, unlike finish()
+    return performance.now() - began;
   }
 
   private resize(): void {
@@ -82,20 +113,18 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
-  /** On a slow machine: first fewer pixels, then rougher shadows. */
-  private adapt(now: number): void {
-    if (this.last > 0) this.mean += 0.1 * (Math.min(now - this.last, 500) - this.mean);
-    this.last = now;
-    if (this.mean < slow) return;
-    this.mean = 16;
+  /** On a slow machine: first fewer pixels, then rougher shadows. False if there is nothing left to save. */
+  private lessDetail(): boolean {
     if (this.detail > 0.6) {
       this.detail = Math.max(0.6, 0.7 * this.detail);
       this.resize();
-    } else if (this.key.shadow.mapSize.x > 512) {
-      this.key.shadow.mapSize.setScalar(512);
-      this.key.shadow.map?.dispose();
-      this.key.shadow.map = null;
+      return true;
     }
+    if (this.key.shadow.mapSize.x <= 512) return false;
+    this.key.shadow.mapSize.setScalar(512);
+    this.key.shadow.map?.dispose();
+    this.key.shadow.map = null;
+    return true;
   }
 
   private addLights(): void {

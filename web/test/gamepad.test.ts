@@ -77,8 +77,11 @@ describe('the pad', () => {
 
   test('goes back while Back or Start is held, stops while a stick is pressed in, and the bumper', () => {
     const stick = armed();
-    const recall = (...buttons: number[]): string =>
-      stick.command(pad({ buttons: { ...LB, ...Object.fromEntries(buttons.map((b) => [b, 1])) } })).recall;
+    const recall = (...buttons: number[]): string => {
+      stick.rests();
+      return stick.command(pad({ buttons: { ...LB, ...Object.fromEntries(buttons.map((b) => [b, 1])) } }))
+        .recall;
+    };
     expect(recall(8)).toBe('retrace');
     expect(recall(9)).toBe('home');
     expect(recall(8, 9)).toBe('retrace');
@@ -90,6 +93,17 @@ describe('the pad', () => {
     expect(stick.command(pad({ buttons: { 8: 1 } }))).toMatchObject({ recall: 'home', deadman: true });
     stick.press('Space');
     expect(recall(8)).toBe('stop'); // whatever the pad asks for
+  });
+
+  test('stops until the robot rests, with nothing else of it', () => {
+    const stick = armed();
+    const push = { axes: [0, -1, 0, 0], buttons: LB };
+    stick.command(pad({ ...push, buttons: { ...LB, 10: 1, 6: 1 } }));
+    const still = { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], recall: 'stop', deadman: true };
+    expect(stick.command(pad(push))).toMatchObject(still);
+    expect(stick.command(null)).toMatchObject(still);
+    stick.rests();
+    expect(stick.command(pad(push)).recall).toBe('none');
   });
 
   test('counts once Back and Start were let go, too', () => {

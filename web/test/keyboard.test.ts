@@ -57,18 +57,42 @@ test('L lifts the guided foot and lowers it, and no hand', () => {
   expect(lift()).toEqual([0, 0]);
 });
 
-test('Space centres everything, keeps the part, and stops while it is held', () => {
+test('Space centres everything, keeps the part, and stops until it is let go of and the robot rests', () => {
   const stick = new Stick();
   for (const code of ['Digit1', 'KeyL', 'KeyW', 'Space']) stick.press(code);
-  expect(stick.command(null)).toEqual({
+  const stop = {
     guide: 'left_foot',
     axes: [0, 0, 0, 0, 0, 0],
     lift: [0, 0],
     recall: 'stop',
     deadman: true,
-  });
+  };
+  expect(stick.command(null)).toEqual(stop);
+  stick.rests();
+  expect(stick.command(null)).toEqual(stop); // it is held
   stick.keyboard.release('Space');
-  expect(stick.command(null).recall).toBe('none');
+  expect(stick.command(null)).toEqual(stop); // the robot moves yet
+  stick.rests();
+  expect(stick.command(null)).toEqual({ ...stop, recall: 'none' }); // though W is still down
+});
+
+test('a stop lasts until the robot rests, whoever held it and whatever lets go', () => {
+  const ends: ((stick: Stick) => void)[] = [
+    (stick) => stick.keyboard.release('Space'),
+    (stick) => stick.buttons.delete('stop'),
+    (stick) => stick.letGo(), // the page was left
+  ];
+  for (const begin of [(stick: Stick) => stick.press('Space'), (stick: Stick) => stick.hold('stop')]) {
+    const stick = new Stick();
+    stick.press('KeyW');
+    stick.lift = [0, 1];
+    begin(stick);
+    for (const end of ends) end(stick);
+    stick.press('KeyA'); // another key, meanwhile
+    expect(stick.command(null)).toMatchObject({ axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], recall: 'stop' });
+    stick.rests();
+    expect(stick.command(null)).toMatchObject({ axes: [0, 1, 0, 0, 0, 0], lift: [0, 0], recall: 'none' });
+  }
 });
 
 test('Backspace retraces, H or Home goes home, and Space stops, while held', () => {
@@ -83,6 +107,7 @@ test('Backspace retraces, H or Home goes home, and Space stops, while held', () 
     expect(stick.command(null).recall).toBe(way);
     expect(stick.command(null).axes).toEqual([0, 0, 0, 0, 0, 0]);
     stick.keyboard.release(code);
+    stick.rests();
     expect(stick.command(null).recall).toBe('none');
   }
 });
@@ -93,13 +118,13 @@ test('stop wins over retrace, and retrace over home, be they keys or buttons', (
   expect(stick.command(null).recall).toBe('home');
   stick.press('Backspace');
   expect(stick.command(null).recall).toBe('retrace');
-  stick.buttons.add('stop');
-  expect(stick.command(null).recall).toBe('stop');
-  stick.buttons.delete('stop');
   stick.keyboard.release('Backspace');
   expect(stick.command(null).recall).toBe('home');
-  stick.buttons.delete('home');
-  expect(stick.command(null).recall).toBe('none');
+  stick.hold('stop');
+  expect(stick.command(null).recall).toBe('stop');
+  stick.buttons.delete('stop');
+  stick.rests();
+  expect(stick.command(null).recall).toBe('none'); // stop let go of the button, too
 });
 
 test('letting go ends a way back, of keys and of buttons', () => {

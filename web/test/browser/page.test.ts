@@ -1,16 +1,13 @@
 /** The page in a real browser, with the real program behind it. */
-import { spawn, type ChildProcess } from 'node:child_process';
-import { existsSync, mkdirSync } from 'node:fs';
-import { fileURLToPath } from 'node:url';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import type { ChildProcess } from 'node:child_process';
+import { mkdirSync } from 'node:fs';
+import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test } from 'vitest';
 import type { Command } from '../../src/protocol';
+import { does, launch, path, patience, role, start, stop } from './program';
 import { Relay } from './relay';
 
-const path = (relative: string): string => fileURLToPath(new URL(relative, import.meta.url));
-const program = process.env.BATON ?? path('../../../build/release/baton');
 const picture = path('../../../build/page.png');
-const patience = { timeout: 60_000 };
 
 let baton: ChildProcess;
 let browser: Browser;
@@ -20,39 +17,26 @@ let relay: Relay; // between the page that drives at first and the program
 const complaints: string[] = [];
 const sent: Command[] = []; // by the page that drives at first
 
-/** Starts the program and returns the address that it prints. */
-function start(): Promise<string> {
-  if (!existsSync(program)) throw new Error(`there is no program ${program}: build it, or name it in $BATON`);
-  const args = [
-    'drive',
-    '--world',
-    'room',
-    '--input',
-    'page',
-    '--on',
-    'ideal',
-    '--seconds',
-    '600',
-    '--port',
-    '0',
-  ];
-  baton = spawn(program, args, { stdio: ['ignore', 'pipe', 'pipe'] });
-  return new Promise((resolve, reject) => {
-    let output = '';
-    const listen = (text: Buffer): void => {
-      output += text.toString();
-      const found = /page at (http:\S+)/.exec(output);
-      if (found) resolve(found[1]!);
-    };
-    baton.stdout!.on('data', listen);
-    baton.stderr!.on('data', listen);
-    baton.on('error', reject);
-    baton.on('exit', (code) => reject(new Error(`the program ended (${code}): ${output}`)));
-  });
+/** Counts the shaders that are made before the page asks for the driver's seat, and afterwards. */
+function countShaders(): void {
+  const counts = { before: 0, after: 0 };
+  let asked = false;
+  Object.assign(window, { shaders: counts });
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (data): void {
+    asked ||= String(data).includes('"drive"');
+    send.call(this, data);
+  };
+  const link = WebGL2RenderingContext.prototype.linkProgram;
+  WebGL2RenderingContext.prototype.linkProgram = function (made): void {
+    ++counts[asked ? 'after' : 'before'];
+    link.call(this, made);
+  };
 }
 
 async function open(width: number, height: number, at: string): Promise<Page> {
   const opened = await browser.newPage({ viewport: { width, height } });
+  await opened.addInitScript(countShaders);
   opened.on('pageerror', (error) => complaints.push(String(error)));
   opened.on('console', (message) => {
     if (message.type() === 'error') complaints.push(message.text());
@@ -67,25 +51,14 @@ async function open(width: number, height: number, at: string): Promise<Page> {
   return opened;
 }
 
-const role = (of: Page, wanted: string): Promise<unknown> =>
-  of.waitForFunction((name) => document.getElementById('role')!.dataset.role === name, wanted, patience);
-
 const com = async (axis: number): Promise<number> =>
   parseFloat((await page.locator('#com').innerText()).split(/\s+/)[axis]!);
 const comX = (): Promise<number> => com(0);
 const comY = (): Promise<number> => com(1);
 
 beforeAll(async () => {
-  url = await start();
-  const args = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox', '--no-first-run'];
-  const quiet = [
-    '--disable-background-networking',
-    '--disable-component-update',
-    '--disable-sync',
-    '--disable-quic',
-  ];
-  const executablePath = process.env.CHROMIUM ?? '/usr/bin/chromium';
-  browser = await chromium.launch({ executablePath, headless: true, args: [...args, ...quiet] });
+  ({ run: baton, url } = await start('--world room --on ideal'));
+  browser = await launch();
   relay = await Relay.to(url);
   page = await open(1280, 800, relay.url);
   await role(page, 'driver');
@@ -94,11 +67,7 @@ beforeAll(async () => {
 afterAll(async () => {
   await browser?.close();
   relay?.close();
-  if (baton && baton.exitCode === null) {
-    const ended = new Promise((resolve) => baton.on('exit', resolve));
-    baton.kill('SIGINT');
-    await ended;
-  }
+  await stop(baton);
 });
 
 type Grip = [press: () => Promise<void>, release: () => Promise<void>];
@@ -129,7 +98,7 @@ async function hold([press, release]: Grip, done: () => Promise<boolean>): Promi
 }
 
 afterEach(async () => {
-  for (const key of ['w', 'a', 'd', 'h', 'Backspace']) await page.keyboard.up(key);
+  for (const key of ['w', 'a', 'd', 'h', 'Backspace', 'Space', 'Control']) await page.keyboard.up(key);
   await page.mouse.up();
 });
 
@@ -179,19 +148,14 @@ test('W in trunk mode moves the robot forward', async () => {
   mkdirSync(path('../../../build'), { recursive: true });
   await page.screenshot({ path: picture });
   await page.keyboard.up('w');
-  await page.waitForFunction(
-    () => document.getElementById('segment')!.textContent === 'at rest',
-    null,
-    patience,
-  );
+  await atRest();
 });
 
-const atRest = (): Promise<unknown> =>
-  page.waitForFunction(
-    () => document.getElementById('segment')!.textContent === 'at rest',
-    null,
-    patience,
-  );
+/** The robot rests, and the panels say so. */
+async function atRest(): Promise<void> {
+  await does(page, 'rest');
+  await page.locator('#segment', { hasText: 'at rest' }).waitFor(patience);
+}
 
 const shown = (id: string, words: RegExp): Promise<void> =>
   page.locator(id, { hasText: words }).waitFor({ state: 'visible', ...patience });
@@ -247,6 +211,7 @@ describe('the ways back', () => {
     expect(there).toBeLessThan(start - 0.01);
     const motions = await left();
     await hold(key('Backspace'), async () => /^retracing: /.test(await page.locator('#recall').innerText()));
+    await does(page, 'retracing');
     await page.waitForSelector('#retrace.on', patience);
     await hold(key('Backspace'), lessThan(motions - 2));
     await page.keyboard.up('Backspace');
@@ -301,11 +266,19 @@ describe('the ways back', () => {
       await page.waitForTimeout(200);
       await page.keyboard.down('a');
     }
-    await shown('#stuck', /^Nothing goes from here\. Retrace \(Backspace\) or Home \(H\)/);
+    await shown('#stuck', /^The left foot was refused three times in a row\. Another part may move/);
     await page.keyboard.up('a');
     await hold(key('Backspace'), () => page.locator('#stuck').isHidden());
     await page.keyboard.up('Backspace');
     await atRest();
+  });
+
+  test('with nothing to retrace the page does not say that it retraces', async () => {
+    await page.keyboard.down('Backspace');
+    await shown('#refusal', /^nothing left to retrace/);
+    expect(await page.locator('#recall').isVisible()).toBe(false);
+    expect(await page.locator('body').getAttribute('data-state')).toBe('rest');
+    await page.keyboard.up('Backspace');
   });
 });
 
@@ -379,6 +352,7 @@ describe('nobody asks for more', () => {
     relay.stall();
     const motions = await left();
     await page.locator('#role', { hasText: 'no signal' }).waitFor(patience);
+    await does(page, 'waiting');
     await shown('#hint', /^No signal from the program/);
     await page.waitForTimeout(5000);
     relay.flow();
@@ -396,11 +370,128 @@ describe('nobody asks for more', () => {
   });
 });
 
+describe('stop', () => {
+  beforeEach(retraceAll);
+
+  /** Takes hold of the robot's stick so that it walks to the right, until it does. */
+  async function walks(): Promise<void> {
+    await page.keyboard.press('5');
+    await hold(key('d'), moreThan(await left()));
+    await does(page, 'moving');
+  }
+
+  /** The robot rests and goes on resting. */
+  async function staysAtRest(): Promise<void> {
+    await atRest();
+    const [rest, motions] = [await comY(), await left()];
+    await page.waitForTimeout(700);
+    await atRest();
+    expect([await comY(), await left()]).toEqual([rest, motions]);
+  }
+
+  test('what is held beside it moves nothing afterwards, until it was let go of once', async () => {
+    for (const [press, release] of [button('#stop'), key('Space')]) {
+      await walks();
+      await press();
+      await does(page, 'stopping');
+      await atRest();
+      await release();
+      await staysAtRest(); // D is still down
+      await page.keyboard.up('d');
+      await walks();
+      await page.keyboard.up('d');
+      await atRest();
+    }
+  });
+
+  test('a key that goes down beside it moves nothing afterwards, either', async () => {
+    await page.keyboard.down('Space');
+    await expect.poll(() => sent.at(-1)!.recall, patience).toBe('stop');
+    await page.keyboard.down('d');
+    await page.keyboard.up('Space');
+    await shown('#hint', /^Let go of all keys/);
+    await staysAtRest();
+    await page.keyboard.up('d');
+    await walks();
+  });
+
+  test('lasts until the robot rests, though it is only tapped', async () => {
+    await walks();
+    const from = sent.length;
+    await page.keyboard.press('Space');
+    await does(page, 'stopping');
+    await atRest();
+    await expect.poll(() => sent.at(-1)!.recall, patience).toBe('none');
+    const asked = sent.slice(from).map(({ recall }) => recall);
+    expect(asked.slice(asked.indexOf('stop'), asked.lastIndexOf('stop') + 1)).not.toContain('none');
+    expect(asked.filter((recall) => recall === 'stop').length).toBeGreaterThan(1);
+    await page.keyboard.up('d');
+  });
+
+  test('Space stops whatever is open, focused or held, and presses nothing', async () => {
+    const box = page.locator('#hold');
+    const focus = (id: string) => (): Promise<void> => page.focus(id);
+    const help = page.locator('#help');
+    const situations: [what: string, before: () => Promise<unknown>, after: () => Promise<unknown>][] = [
+      ['nothing', async () => {}, async () => {}],
+      ['help', () => page.keyboard.press('?'), () => page.keyboard.press('?')],
+      ['a button', focus('#take'), async () => {}],
+      ['a box', focus('#hold'), async () => {}],
+      ['a slider', focus('[data-lift="0"]'), async () => {}],
+      ['Control', () => page.keyboard.down('Control'), () => page.keyboard.up('Control')],
+      ['D', () => page.keyboard.down('d'), () => page.keyboard.up('d')],
+    ];
+    for (const [what, before, after] of situations) {
+      await before();
+      await page.keyboard.down('Space');
+      await page.keyboard.down('Space'); // it repeats
+      await expect.poll(() => sent.at(-1)!.recall, { ...patience, message: what }).toBe('stop');
+      expect(await help.isVisible(), what).toBe(what === 'help');
+      await page.keyboard.up('Space');
+      await atRest();
+      await expect.poll(() => sent.at(-1)!.recall, { ...patience, message: what }).toBe('none');
+      expect(await help.isVisible(), what).toBe(what === 'help');
+      expect(await box.isChecked(), what).toBe(true);
+      await role(page, 'driver');
+      await after();
+    }
+    await page.locator('#hold').blur();
+  });
+
+  test('who opens help lets go of everything', async () => {
+    await walks();
+    await page.keyboard.press('?');
+    await staysAtRest(); // D is still down
+    await hold(button('#help [data-way="stop"]'), async () => sent.at(-1)!.recall === 'stop');
+    await page.mouse.up();
+    await page.keyboard.press('?');
+    await page.keyboard.up('d');
+  });
+});
+
 test('help opens and closes with its key', async () => {
   await page.keyboard.press('?');
   await page.waitForSelector('#help', { state: 'visible', ...patience });
   await page.keyboard.press('?');
   await page.waitForSelector('#help', { state: 'hidden', ...patience });
+});
+
+test('a page that drives makes no shader: it would be silent for so long, and its stick would not count', async () => {
+  await retraceAll();
+  await page.keyboard.press('3');
+  await hold(key('w'), async () => /^reach/.test(await page.locator('#segment').innerText()));
+  await page.keyboard.up('w');
+  await atRest();
+  await page.keyboard.press('2');
+  await page.keyboard.press('l');
+  await page.locator('#phase', { hasText: 'single support' }).waitFor(patience);
+  await page.keyboard.press('Space');
+  await atRest();
+  const { before, after } = await page.evaluate(
+    () => (window as unknown as { shaders: { before: number; after: number } }).shaders,
+  );
+  expect(before).toBeGreaterThan(5);
+  expect(after).toBe(0);
 });
 
 test('nothing in the page complains', () => {

@@ -1,0 +1,32 @@
+#include "app/refusals.hpp"
+
+#include <utility>
+
+namespace baton::app {
+namespace {
+
+constexpr int kStuck = 3;  ///< refusals of a part in a row after which the operator is told what leads out
+
+}  // namespace
+
+void Refusals::look(const Navigator& navigator) {
+  const bool stood = std::exchange(stands_, navigator.refusal().has_value());
+  const bool new_one = stands_ && !stood;
+  if (new_one) {
+    ++count_;
+    newest_ = navigator.refusal();
+  }
+  if (navigator.motion() != nullptr) {
+    times_ = 0;
+    retrace_ = home_ = false;
+  } else if (new_one) {
+    const Command& command = navigator.command();
+    retrace_ = retrace_ || command.recall == Recall::retrace;
+    home_ = home_ || command.recall == Recall::home;
+    if (command.recall == Recall::none) times_ = std::exchange(part_, command.guide) == command.guide ? times_ + 1 : 1;
+  }
+  stuck_.reset();
+  if (times_ >= kStuck) stuck_ = Stuck{part_, times_, navigator.history() > 0 && !retrace_, !home_};
+}
+
+}  // namespace baton::app
