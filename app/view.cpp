@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <utility>
 
 #include "baton/model/contact.hpp"
 #include "baton/record/trace.hpp"
@@ -16,7 +15,16 @@ constexpr double kShows = 0.2;      ///< of being pushed off its way before the 
 
 }  // namespace
 
-View::View(Session& session, int port)
+Activity activity(const Session& session) {
+  const Navigator& nav = session.navigator();
+  if (session.fallen()) return Activity::fallen;
+  const Intent intent = nav.intent();
+  if (intent == Intent::none) return Activity::rest;
+  if (intent == Intent::stop || nav.command().recall == Recall::stop) return Activity::stopping;
+  return intent == Intent::retrace || intent == Intent::home ? Activity::retracing : Activity::moving;
+}
+
+View::View(const Session& session, int port)
     : scene_(compile_text(session.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
       cockpit_(
@@ -26,31 +34,10 @@ View::View(Session& session, int port)
             parameters.page = share_dir() / "web" / "dist";
             return parameters;
           }(),
-          session.robot(), session.world().name(), *scene_) {
-  session.on_plan = [this, &session, before = std::move(session.on_plan)](const PlanRecord& record) {
-    if (before) before(record);
-    look(session.navigator());
-    planned_for_ = record.result.catches ? Recall::none : record.result.command.recall;
-  };
-}
-
-void View::look(const Navigator& navigator) {
-  // Between two answers at most one motion is taken over: the first of them.
-  if (std::exchange(committed_, navigator.committed()) != navigator.committed()) motion_for_ = planned_for_;
-}
-
-Activity View::activity(const Session& session) const {
-  const Navigator& nav = session.navigator();
-  if (session.fallen()) return Activity::fallen;
-  if (nav.motion() == nullptr) return Activity::rest;
-  if (nav.command().recall == Recall::stop || motion_for_ == Recall::stop) return Activity::stopping;
-  if (nav.motion()->retraces || motion_for_ != Recall::none) return Activity::retracing;
-  return Activity::moving;
-}
+          session.robot(), session.world().name(), *scene_) {}
 
 void View::show(const Session& session, const DeviceStatus& device, const Refusals& refusals) {
   const Navigator& nav = session.navigator();
-  look(nav);
   if (nav.segment() != segment_) {
     segment_ = nav.segment();
     segment_start_ = session.t();

@@ -11,9 +11,8 @@ namespace baton::app {
 
 class View {
  public:
-  /// Listens to what the session plans; must outlive its ticks.
   /// @throws InputError the port is in use
-  View(Session& session, int port);
+  View(const Session& session, int port);
 
   [[nodiscard]] std::string url() const { return cockpit_.url(); }
   [[nodiscard]] Device& device() { return cockpit_.device(); }
@@ -21,15 +20,10 @@ class View {
   /// How many pages are open.
   [[nodiscard]] std::size_t pages() const { return cockpit_.pages(); }
 
-  /// What the robot does, as of the last `show`.
-  [[nodiscard]] Activity activity(const Session& session) const;
-
   /// Shows the present moment, at most 30 times a second of the run.
   void show(const Session& session, const DeviceStatus& device, const Refusals& refusals);
 
  private:
-  /// Finds out what the motion under way is for.
-  void look(const Navigator& navigator);
   ModelPtr scene_;
   DataPtr data_;
   Cockpit cockpit_;
@@ -40,9 +34,9 @@ class View {
   double slipped_ = 0.0;  ///< when it was found to have slipped last [s]
   double segment_start_ = 0.0;
   long segment_ = -1;
-  Recall planned_for_ = Recall::none;  ///< what the newest answer of the planner is for
-  Recall motion_for_ = Recall::none;   ///< what the motion under way is for
-  long committed_ = 0;
 };
+
+/// What the robot does, in a word.
+[[nodiscard]] Activity activity(const Session& session);
 
 }  // namespace baton::app

@@ -836,7 +836,6 @@ bool Navigator::take_over() {
     if (refusal != nullptr && !result.context.goes_on) put_refusal(*refusal);
     refused_ = result.command;
   } else if (refusal != nullptr) {
-    if (!refusal_ || !refused_at_rest_ || !(refused_ == result.command)) ++refused_in_a_row_;
     put_refusal(*refusal);
     refused_at_rest_ = true;
     refused_ = result.command;
@@ -870,7 +869,6 @@ void Navigator::commit(PlanningResult& result) {
   last_step_ = base_.last_step;
   foothold_ = base_.foothold;
   ++committed_;
-  refused_in_a_row_ = 0;
   drop_refusal();
 }
 

@@ -212,8 +212,6 @@ class Navigator {
   [[nodiscard]] const Command& command() const { return command_; }
   /// The newest refusal, while the command that it answered still stands.
   [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
-  /// Different commands refused since the last motion.
-  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
   /// Requests whose answer was not there at the take-over.
   [[nodiscard]] long dropped() const { return dropped_; }
   /// Motions that can be retraced.
@@ -329,7 +327,6 @@ class Navigator {
   std::optional<Refusal> past_refusal_;
   std::optional<Refusal> refusal_;
   bool refused_at_rest_ = false;
-  int refused_in_a_row_ = 0;
   long dropped_ = 0;
   int late_ = 0;                                       ///< answers in a row that came too late
   std::vector<std::shared_ptr<const Trail>> history_;  ///< from rest to rest, the newest last

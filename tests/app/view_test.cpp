@@ -19,11 +19,11 @@ class ViewTest : public testing::Test {
       session_.step(command);
       refusals_.look(session_.navigator());
       view_.show(session_, {}, refusals_);
-      seen.insert(view_.activity(session_));
+      seen.insert(app::activity(session_));
     }
     return seen;
   }
-  [[nodiscard]] Activity now() const { return view_.activity(session_); }
+  [[nodiscard]] Activity now() const { return app::activity(session_); }
 
   static Command walk() {
     Command command;
