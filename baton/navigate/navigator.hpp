@@ -132,7 +132,7 @@ enum class Phase { hold, double_support, single_left, single_right, fallen };
   return names[static_cast<std::size_t>(phase)];
 }
 
-/// What the motion under way is for.
+/// What the motion under way is for; traces have the number.
 enum class Intent {
   none,     ///< there is no motion
   follow,   ///< it follows the stick, or puts down a foot that was let go of
@@ -141,11 +141,6 @@ enum class Intent {
   stop,     ///< to rest, on the way or on a way back
   capture,  ///< a step that catches the robot
 };
-
-[[nodiscard]] constexpr std::string_view to_string(Intent intent) {
-  constexpr std::array<std::string_view, 6> names{"none", "follow", "retrace", "home", "stop", "capture"};
-  return names[static_cast<std::size_t>(intent)];
-}
 
 class Navigator {
  public:
