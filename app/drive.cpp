@@ -22,6 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
+constexpr std::chrono::seconds kReload{3};  ///< a page that is gone for longer has been left
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
 void say_what_leads_out(const Stuck& stuck) {
@@ -34,10 +35,13 @@ void say_what_leads_out(const Stuck& stuck) {
                ways.empty() ? "" : fmt::format(", and {} leads out", fmt::join(ways, " or ")));
 }
 
-/// Shows how the robot lies until every page is left, or the program is interrupted.
+/// Shows how the robot fell until every page is left for good, or the program is interrupted.
 void show_fall(View& view, const Session& session, const Inputs& inputs, const Refusals& refusals) {
-  if (view.pages() > 0) spdlog::info("the page shows the fall; to end, leave the page or press Ctrl-C");
-  while (view.pages() > 0 && !interrupted) {
+  if (view.pages() == 0) return;
+  spdlog::info("the page shows the fall; to end, leave the page or press Ctrl-C");
+  Clock::time_point seen = Clock::now();
+  while (!interrupted && Clock::now() - seen < kReload) {
+    if (view.pages() > 0) seen = Clock::now();
     view.show(session, inputs.status(), refusals);
     std::this_thread::sleep_for(kFrame);
   }
@@ -133,15 +137,25 @@ int drive(const DriveOptions& o) {
             {"late", late},
             {"dropped", session.navigator().dropped()}};
   }
-  const nlohmann::json summary =
-      outputs.write(world.name(), o.on, o.seed, seconds_since(start), {{"loop", std::move(loop)}});
-  const auto& segments = summary["segments"];
-  fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
-             world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
-             summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
-             session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
-  std::fflush(stdout);
-  if (!session.fallen()) return kDone;
+  const auto finish = [&] {
+    const nlohmann::json summary =
+        outputs.write(world.name(), o.on, o.seed, seconds_since(start), {{"loop", std::move(loop)}});
+    const auto& segments = summary["segments"];
+    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
+               world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
+               summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
+               session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
+    std::fflush(stdout);
+  };
+  if (!session.fallen()) {
+    finish();
+    return kDone;
+  }
+  try {
+    finish();
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());  // a fall is shown, and is what the run ends with, all the same
+  }
   if (view) show_fall(*view, session, inputs, refusals);
   return kFallen;
 }

@@ -54,7 +54,10 @@ Command Inputs::read(double t) {
   };
   std::vector<Reading> readings;
   for (Device* device : devices_) {
-    const Command command = device->read(t);
+    Command command = device->read(t);
+    if (command.neutral()) std::erase(held_, device);
+    const bool held = std::find(held_.begin(), held_.end(), device) != held_.end();
+    if (held && command.recall != Recall::stop) command = {.guide = command.guide};
     readings.push_back({device, command, device->status().armed});
   }
   const auto find = [&](const auto& fits) {
@@ -69,6 +72,8 @@ Command Inputs::read(double t) {
   if (chosen == nullptr) chosen = find([&](const Reading& r) { return r.armed && r.device == active_; });
   if (chosen == nullptr) chosen = find([](const Reading& r) { return r.armed; });
   active_ = chosen == nullptr ? nullptr : chosen->device;
+  if (chosen != nullptr && chosen->command.recall == Recall::stop && !script())
+    held_.assign(devices_.begin(), devices_.end());
   if (chosen != nullptr) return chosen->command;
   return readings.empty() ? Command{} : readings.back().command;
 }

@@ -37,6 +37,7 @@ class Inputs {
   [[nodiscard]] std::optional<std::filesystem::path> script() const;
 
   /// The newest command of the device that counts: the armed one that is in use, until it rests and another is not.
+  /// After a stop, what a live device still holds moves nothing until it has been let go of once.
   [[nodiscard]] Command read(double t);
 
   [[nodiscard]] DeviceStatus status() const;
@@ -46,6 +47,7 @@ class Inputs {
   std::vector<std::unique_ptr<Device>> owned_;
   std::vector<Device*> devices_;
   const Device* active_ = nullptr;
+  std::vector<const Device*> held_;  ///< since a stop, not let go of yet
 };
 
 }  // namespace baton::app

@@ -38,9 +38,7 @@ void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<Nam
 }
 
 std::vector<NamedFile> files_read(const std::string& robot, const RobotModel& model, const World& world) {
-  std::vector<NamedFile> files{{"--world", world.file()}, {"the model", model.profile().model}};
-  if (robot.ends_with(".toml")) files.push_back({"--robot", robot});
-  return files;
+  return {{"--world", world.file()}, {"--robot", profile_file(robot)}, {"the model", model.profile().model}};
 }
 
 void make_folder(const std::filesystem::path& folder, const std::string& option) {

@@ -12,6 +12,7 @@ constexpr int kStuck = 3;  ///< refusals of a part in a row after which the oper
 void Refusals::look(const Navigator& navigator) {
   const bool stood = std::exchange(stands_, navigator.refusal().has_value());
   const bool new_one = stands_ && !stood;
+  changed_ = changed_ || differs(navigator.command(), refused_);
   if (new_one) {
     ++count_;
     newest_ = navigator.refusal();
@@ -20,10 +21,15 @@ void Refusals::look(const Navigator& navigator) {
     times_ = 0;
     retrace_ = home_ = false;
   } else if (new_one) {
-    const Command& command = navigator.command();
+    const Command& command = navigator.refused();
     retrace_ = retrace_ || command.recall == Recall::retrace;
     home_ = home_ || command.recall == Recall::home;
-    if (command.recall == Recall::none) times_ = std::exchange(part_, command.guide) == command.guide ? times_ + 1 : 1;
+    if (command.recall == Recall::none) {
+      const bool same_part = std::exchange(part_, command.guide) == command.guide;
+      if (!same_part || times_ == 0) times_ = 0, changed_ = true;
+      if (std::exchange(changed_, false)) ++times_;  // a hand that trembles asks for the same
+      refused_ = command;
+    }
   }
   stuck_.reset();
   if (times_ >= kStuck) stuck_ = Stuck{part_, times_, navigator.history() > 0 && !retrace_, !home_};

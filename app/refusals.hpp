@@ -25,6 +25,8 @@ class Refusals {
   int count_ = 0;
   bool stands_ = false;      ///< the newest does
   Part part_ = Part::trunk;  ///< that was refused last
+  Command refused_;          ///< what was
+  bool changed_ = false;     ///< something else was asked for since
   int times_ = 0;            ///< how often in a row
   bool retrace_ = false;     ///< was refused since the last motion
   bool home_ = false;        ///< the same

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <map>
@@ -167,6 +168,10 @@ int reproduce_walks(const std::filesystem::path& out) {
     map.series.push_back({walk.name, walked.path, Stroke::solid, colour, 1.6});
     map.series.push_back({"", walked.led, Stroke::dashed, palette::kBlack, 0.8});
   }
+  if (interrupted) {
+    spdlog::warn("interrupted: no figures");
+    return kFailed;
+  }
   std::vector<Panel> panels;
   for (auto& [name, map] : maps)
     panels.push_back(std::move(map));
@@ -174,7 +179,7 @@ int reproduce_walks(const std::filesystem::path& out) {
   write_whole(out / "walks.json", "--out", table.dump(2) + '\n');
   fmt::print("walks.json, walks.svg and the scripts in {}\n", out.string());
   if (fell) return kFallen;
-  return good && !interrupted ? kDone : kFailed;
+  return good ? kDone : kFailed;
 }
 
 }  // namespace baton::app

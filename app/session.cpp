@@ -144,7 +144,7 @@ std::optional<PlanningThread::Answer> Session::answer() {
 void Session::post(Problem problem) {
   const auto latest = static_cast<int>(std::lround(faults_.delay / robot_->profile().tick.period));
   due_at_ = ticks_ + dice_.between(0, latest);
-  lost_ = 1e-4 * dice_.below(10000) < faults_.loss;
+  lost_ = dice_.share() < faults_.loss;
   if (thread_) return thread_->post(std::move(problem));
   const double asked = cpu_us();
   PlanningResult result = planning_.plan(problem);

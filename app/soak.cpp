@@ -193,7 +193,7 @@ int soak(const SoakOptions& o) {
       "{} of {} motions retraced, {:.2g} m and {:.2g} rad off at most\n",
       tally.failures, tally.segments, failure_rate_95(tally.failures, tally.segments), back.arrived, back.tried,
       back.worst_m, back.worst_rad);
-  return tally.failures == 0 ? kDone : kFailed;
+  return tally.failures == 0 && !interrupted ? kDone : kFailed;
 }
 
 }  // namespace baton::app

@@ -154,7 +154,7 @@ int soak_scenarios(const SoakOptions& o) {
     if (o.report) write_whole(*o.report, "--report", report.dump(2) + '\n');
     if (interrupted) break;
   }
-  return fell ? kFallen : kDone;
+  return fell ? kFallen : interrupted ? kFailed : kDone;
 }
 
 }  // namespace baton::app

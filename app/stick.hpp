@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <random>
@@ -26,6 +27,8 @@ class Dice {
   [[nodiscard]] int between(int lo, int hi) { return lo + below(hi - lo + 1); }
   [[nodiscard]] bool percent(int chance) { return below(100) < chance; }
   [[nodiscard]] double sign() { return percent(50) ? 1.0 : -1.0; }
+  /// 0 … 1, a multiple of 2⁻⁵³, without 1.
+  [[nodiscard]] double share() { return std::ldexp(static_cast<double>(engine_() >> 11), -53); }
   /// −1 … 1, a multiple of 1/1024.
   [[nodiscard]] double axis() { return (below(2049) - 1024) / 1024.0; }
 

@@ -17,6 +17,7 @@ constexpr double kSmooth = 40.0;    ///< rate at which the joints' speeds follow
 constexpr double kRelax = 10.0;     ///< rate at which a foothold follows where a sole with no load is [1/s]
 constexpr double kMap = 1.0;        ///< rate at which heights follow those of the ground [1/s]
 constexpr double kDrift = 1e-3;     ///< error of the place, of the way gone
+constexpr double kInTheAir = 0.1;   ///< time without a touch from which the height is lost [s]
 constexpr double kOnTheMap = 0.05;  ///< farther from the known ground a sole stands on something else [COM height]
 
 // A sole that stands on an edge of the ground. Lengths are shares of the COM height.
@@ -123,8 +124,9 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     if (!touched[side]) gone_ += (foothold_[side] - footfall_[side]).head<2>().norm();
     footfall_[side] = foothold_[side];
   }
-  const bool lands = !touched.left && !touched.right && total > 0.0;
-  follow_map(planned, lands);
+  untouched_ = total > 0.0 ? 0.0 : untouched_ + period_;
+  lost_ = lost_ || untouched_ > kInTheAir;
+  follow_map(planned);
   root.pose.p = place_;
   root.velocity = velocity_;
   first_ = false;
@@ -177,13 +179,13 @@ void Odometry::note_touch() {
     touch_[side] = load_[side] > (touch_[side] ? kLeaves : kTouches) * weight;
 }
 
-void Odometry::follow_map(const MotionSample& planned, bool lands) {
+void Odometry::follow_map(const MotionSample& planned) {
   const double height = robot_->profile().stance.com_height;
   double off = 0.0;
   double stand = 0.0;
   Vec2 moved = Vec2::Zero();
   for (const Side side : kSides) {
-    if ((!planned.contact[side] && !lands) || !touch_[side]) continue;
+    if ((!planned.contact[side] && !lost_) || !touch_[side]) continue;
     const std::optional<GroundPoint> ground = world_->ground(foothold_[side].head<2>());
     if (!ground) continue;
     if (const std::optional<Vec2> way = felt_edge(side, *ground)) {  // its height says nothing
@@ -191,14 +193,15 @@ void Odometry::follow_map(const MotionSample& planned, bool lands) {
       continue;
     }
     const double gap = ground->height - foothold_[side].z();
-    if (std::abs(gap) > kOnTheMap * height && !lands) continue;
+    if (std::abs(gap) > kOnTheMap * height && !lost_) continue;
     off += load_[side] * gap;
     stand += load_[side];
   }
   const double rise = stand > 0.0 ? off / stand : 0.0;
-  // Of a robot that was lifted, or fell, the height says nothing once it stands again.
-  const bool lost = lands && std::abs(rise) > kOnTheMap * height;
-  const Vec3 shift(moved.x(), moved.y(), lost ? rise : period_ * kMap * rise);
+  // The height of a robot that was lifted, or fell, is lost: once a sole lies on the ground again, it is the map's.
+  const bool found = lost_ && stand > 0.0;
+  if (found) lost_ = false;
+  const Vec3 shift(moved.x(), moved.y(), found ? rise : period_ * kMap * rise);
   place_ += shift;
   for (const Side side : kSides)
     foothold_[side] += shift;

@@ -43,8 +43,7 @@ class Odometry {
                      const Vec3& drate);
   void smooth_speeds(const Measurement& measurement, const MotionSample& planned);
   void note_touch();
-  /// @param lands no sole touched a tick ago, and one does now
-  void follow_map(const MotionSample& planned, bool lands);
+  void follow_map(const MotionSample& planned);
   /// Of a sole that stands tilted on an edge of the ground: the way to where that is by the map [m], zero if it is
   /// there. Nothing of a sole that stands otherwise.
   [[nodiscard]] std::optional<Vec2> felt_edge(Side side, const GroundPoint& below) const;
@@ -70,6 +69,8 @@ class Odometry {
   BySide<Vec3> footfall_;  ///< where they stood last [m]
   double gone_ = 0.0;      ///< way of both feet, from footfall to footfall [m]
   BySide<bool> touch_{true, true};
+  double untouched_ = 0.0;  ///< for which no sole has touched [s]
+  bool lost_ = false;       ///< the height is not known, since the robot was in the air
   BySide<double> load_;
 };
 

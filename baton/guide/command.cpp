@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace baton {
+namespace {
+
+constexpr double kSameStick = 0.05;  ///< change of an axis or lift that does not count
+
+}  // namespace
 
 Command sanitised(const Command& command) {
   Command result = command;
@@ -14,6 +19,16 @@ Command sanitised(const Command& command) {
     result.lift[side] = std::isnan(lift) ? 0.0 : std::clamp(lift, 0.0, 1.0);
   }
   return result;
+}
+
+bool lever_moved(const Command& a, const Command& b) {
+  if (!is_foot(a.guide)) return false;
+  const Side side = side_of(a.guide);
+  return a.guide != b.guide || std::abs(a.lift[side] - b.lift[side]) > kSameStick;
+}
+
+bool differs(const Command& a, const Command& b) {
+  return a.guide != b.guide || (a.axes - b.axes).cwiseAbs().maxCoeff() > kSameStick || lever_moved(a, b);
 }
 
 }  // namespace baton

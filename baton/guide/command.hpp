@@ -38,6 +38,12 @@ struct Command {
   }
 };
 
+/// Whether the lever of the foot that `a` guides is elsewhere than in `b`, beyond the jitter of a device.
+[[nodiscard]] bool lever_moved(const Command& a, const Command& b);
+
+/// Whether a command asks for something else than another, beyond the jitter of a device; recalls aside.
+[[nodiscard]] bool differs(const Command& a, const Command& b);
+
 /// The command as it may be acted on: axes clamped to −1…1 and lifts to 0…1; what is not a number stands for a
 /// broken device and counts as centred.
 [[nodiscard]] Command sanitised(const Command& command);

@@ -38,6 +38,10 @@ Mat3 leaning(const Mat3& R, double most) {
 double excess(double value, const Range& range) {
   return std::max(range.lo - value, value - range.hi);
 }
+/// The range and a value.
+Range with(const Range& range, double value) {
+  return {std::min(range.lo, value), std::max(range.hi, value)};
+}
 double nearest_limit(double value, const Range& range) {
   return value < range.lo ? range.lo : range.hi;
 }
@@ -81,7 +85,7 @@ Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
 }
 
 Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
-                              const Range& forward, std::optional<double> edge) const {
+                              const Range& forward, std::optional<double> edge, bool from_here) const {
   const Profile& profile = robot_->profile();
   const Part part = foot(side);
   const Pose& stance = context.from.sole[other(side)];
@@ -91,13 +95,19 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
   const double stance_yaw = yaw_of(stance.R);
   const Vec3 relative = rotation_z(-stance_yaw) * (placement.sole.p - stance.p);
   const double lateral = sign_of(side) * relative.y();
+  Range ahead = forward;
+  Range outward = profile.region.foot_lateral;
+  if (from_here) {
+    const Vec3 now = rotation_z(-stance_yaw) * (context.from.sole[side].p - stance.p);
+    ahead = with(ahead, now.x());
+    outward = with(outward, sign_of(side) * now.y());
+  }
   const double turned = wrap_angle(yaw - stance_yaw);
   constexpr double kSlack = 1e-9;
-  if (excess(relative.x(), forward) > kSlack) {
-    placement.against = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), forward), "forward"};
-  } else if (excess(lateral, profile.region.foot_lateral) > kSlack) {
-    placement.against = {Reason::foot_region, part, lateral, nearest_limit(lateral, profile.region.foot_lateral),
-                         "sideways"};
+  if (excess(relative.x(), ahead) > kSlack) {
+    placement.against = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), ahead), "forward"};
+  } else if (excess(lateral, outward) > kSlack) {
+    placement.against = {Reason::foot_region, part, lateral, nearest_limit(lateral, outward), "sideways"};
   } else if (std::abs(turned) > profile.region.foot_yaw + kSlack) {
     placement.against = {Reason::foot_yaw, part, std::abs(turned), profile.region.foot_yaw, ""};
   }
@@ -283,11 +293,11 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   const Range& region = profile.region.foot_x;
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
-  const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region);
+  const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region, {}, true);
   // Where it stood it can stand again, even if the other foot has come to rest a little outside the region since, or
   // it turned out to stand a little nearer to an edge.
   const Range stood{region.lo - profile.reach.foot, region.hi + profile.reach.foot};
-  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0);
+  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0, true);
   const Range stride{-profile.region.stride, profile.region.stride};
   const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride);
   std::vector<Goal> goals;
@@ -379,7 +389,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   const auto [move, yaw, lift] = foot_wish(context, command);
   const bool deflected = command.axes[0] != 0.0 || command.axes[1] != 0.0 || command.axes[5] != 0.0;
   const Vec2 at = from.sole[side].p.head<2>() + move;
-  const Placement placement = place(context, side, at, yaw, lift, robot_->profile().region.foot_x);
+  const Placement placement = place(context, side, at, yaw, lift, robot_->profile().region.foot_x, {}, true);
   const bool up = !from.contact[side];
   const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
   if (!deflected && lift == 0.0 && !up) return std::monostate{};
@@ -423,17 +433,17 @@ std::vector<Goal> Guide::foot_goals(const GuideContext& context, Side side, cons
 GuideResult Guide::nearest_step(const GuideContext& context, const Command& raw) const {
   const Command command = sanitised(raw);
   const Side side = side_of(command.guide);
-  const auto [move, yaw, lift] = foot_wish(context, command);
-  const double length = move.norm();
-  if (lift > 0.0 || length < kSamePlace) return std::monostate{};
+  const FootWish wished = foot_wish(context, command);
+  const double length = wished.move.norm();
+  if (wished.lift > 0.0 || length < kSamePlace) return std::monostate{};
   const Vec2 from = context.from.sole[side].p.head<2>();
-  const Vec2 direction = move / length;
+  const Vec2 direction = wished.move / length;
   const auto leads = [&](const Vec2& at) {
     const double ahead = (at - from).dot(direction);
     return ahead >= kLeastStep * length && ahead >= kLeads * (at - from).norm();
   };
   const Placement placement =
-      nearest_place(context, side, from + move, yaw, robot_->profile().region.foot_x, leads);
+      nearest_place(context, side, from + wished.move, wished.yaw, robot_->profile().region.foot_x, leads);
   if (placement.against || !leads(placement.sole.p.head<2>())) return std::monostate{};
   return foot_goals(context, side, placement.sole, true);
 }
@@ -442,15 +452,17 @@ GuideResult Guide::other_foot_first(const GuideContext& context, const Command& 
   const Command command = sanitised(raw);
   const Side side = side_of(command.guide);
   const Posture& from = context.from;
-  const auto [move, yaw, lift] = foot_wish(context, command);
+  const FootWish wished = foot_wish(context, command);
+  const Vec2& move = wished.move;
   const double length = move.norm();
-  if (lift > 0.0 || length < kSamePlace || context.step || !from.contact.left || !from.contact.right)
+  if (wished.lift > 0.0 || length < kSamePlace || context.step || !from.contact.left || !from.contact.right)
     return std::monostate{};
   const Side steps = other(side);
   const Vec3 beside = rotation_z(from.heading()) * Vec3(0, sign_of(steps) * robot_->profile().stance.width, 0);
   const Vec2 wish = (from.sole[side].p + beside).head<2>() + move;
+  const Vec2 direction = move / length;
   const auto leads = [&](const Vec2& at) {
-    return (at - from.sole[steps].p.head<2>()).dot(move) / length >= kLeastApproach * length;
+    return (at - from.sole[steps].p.head<2>()).dot(direction) >= kLeastApproach * length;
   };
   const Placement placement =
       nearest_place(context, steps, wish, yaw_of(from.sole[side].R), robot_->profile().region.foot_x, leads);

@@ -103,8 +103,10 @@ class Guide {
   void arms_home(Goal& goal) const;
   /// The foot at a place on the ground, as far from edges as the profile and the place's uncertainty say, or as given,
   /// or in the air `lift` above it.
+  /// @param from_here a foot that is outside its region, as one is when soles are turned against each other, may stay
+  /// there or come nearer
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
-                                const Range& forward, std::optional<double> edge = {}) const;
+                                const Range& forward, std::optional<double> edge = {}, bool from_here = false) const;
   /// Of the places in the foot's region, the nearest to `at` that can be stood on.
   /// @param serves if given, of those for which it is true [m, planning frame]
   [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,

@@ -62,9 +62,13 @@ std::filesystem::path share_dir() {
   return given != nullptr ? given : BATON_SHARE_DIR;
 }
 
+std::filesystem::path profile_file(const std::string& name_or_file) {
+  const std::filesystem::path file = name_or_file;
+  return file.extension() == ".toml" ? file : share_dir() / "robots" / name_or_file / "profile.toml";
+}
+
 RobotModel RobotModel::load(const std::string& name_or_file) {
-  std::filesystem::path file = name_or_file;
-  if (file.extension() != ".toml") file = share_dir() / "robots" / name_or_file / "profile.toml";
+  const std::filesystem::path file = profile_file(name_or_file);
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
     throw InputError(fmt::format("robot '{}': no file {}: give a folder of robots/ or a profile's .toml file",

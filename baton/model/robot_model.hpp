@@ -39,6 +39,9 @@ struct Joint {
 
 /// Immutable. Configurations are q = (position 3, quaternion wxyz 4, joints n), velocities
 /// q̇ = (linear in the world 3, angular in the trunk 3, joints n), as in MuJoCo.
+/// Where the profile of a robot is that is given by its file, or by the name of a folder of `robots/`.
+[[nodiscard]] std::filesystem::path profile_file(const std::string& name_or_file);
+
 class RobotModel {
  public:
   /// @throws InputError the profile or the model cannot be used; the message says why

@@ -59,6 +59,8 @@ struct Motion {
   Certificate certificate;
   int durations_tried = 0;  ///< by the duration correction
   bool retraces = false;    ///< an executed motion, backwards
+  /// Of a way back that is taken in part: the sample at which it leaves the executed motion for the rest it ends at.
+  std::optional<int> leaves;
   Pose lift_off;            ///< where the swing foot left the ground, or was in the air at rest
   double apex_t = 0.0;      ///< when the swing foot is highest [s]
   double apex = 0.0;        ///< how high that is [m]

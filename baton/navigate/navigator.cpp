@@ -21,10 +21,9 @@ constexpr double kSlipByEdges = 0.5;      ///< there, of the margin to them: so 
 constexpr double kMakesUp = 0.05;         ///< how much of the trunk's reach a motion makes up for
 constexpr std::ptrdiff_t kHistory = 200;  ///< motions that are kept to be retraced
 constexpr long kHistoryTicks = 100000;    ///< of all of them together
-constexpr int kMostLate = 5;              ///< doublings of the lookahead, at rest, when answers come too late
+constexpr int kMostLate = 7;              ///< doublings of the lookahead, at rest, when answers come too late
 constexpr double kReplacing = 0.1;        ///< between two replacements of a motion on its way [s]
 constexpr double kLeastFlight = 0.04;     ///< a foot that leaves or meets the ground sooner is not sent elsewhere [s]
-constexpr double kSameStick = 0.05;       ///< change of an axis or lift that does not count
 constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kTube = 0.02;            ///< error of the DCM with which nothing new is begun [COM height]
 constexpr double kInPlace = 1e-3;  ///< soles of a robot at rest that are not farther off are in place [COM height, rad]
@@ -114,18 +113,6 @@ void note_steps(const Goal& goal, Side& last_step, BySide<Pose>& foothold) {
     if (goal.contact[side]) foothold[side] = goal.sole[side];
   }
   if (goal.swing) last_step = *goal.swing;
-}
-
-/// Whether the lever of the guided foot is elsewhere.
-bool lever_moved(const Command& a, const Command& b) {
-  if (!is_foot(a.guide)) return false;
-  const Side side = side_of(a.guide);
-  return a.guide != b.guide || std::abs(a.lift[side] - b.lift[side]) > kSameStick;
-}
-
-/// Whether a command asks for something else than another.
-bool differs(const Command& a, const Command& b) {
-  return a.guide != b.guide || (a.axes - b.axes).cwiseAbs().maxCoeff() > kSameStick || lever_moved(a, b);
 }
 
 }  // namespace
@@ -298,10 +285,11 @@ std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem,
   if (is_foot(command.guide)) {
     const Command within = guide_.within_region(problem.context, command);
     if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
-    if (against.reason == Reason::ground) {
-      if (accepted(resolve(planner, problem, guide_.nearest_step(problem.context, command)))) return best;
-      if (accepted(resolve(planner, problem, guide_.other_foot_first(problem.context, command)))) return best;
-    }
+    const bool edge = against.reason == Reason::ground;
+    const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
+    if (edge && accepted(resolve(planner, problem, guide_.nearest_step(problem.context, command)))) return best;
+    if ((edge || too_far) && accepted(resolve(planner, problem, guide_.other_foot_first(problem.context, command))))
+      return best;
   }
   std::vector<int> axes = guide_.axes_of(command.guide);
   std::stable_sort(axes.begin(), axes.end(),
@@ -397,6 +385,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   ++tick_;
   command_ = sanitised(command);
   if (!(command_ == refused_)) drop_refusal();
+  stop_pressed_ = stop_pressed_ || command_.recall == Recall::stop;
 
   if (motion_ && ++index_ == motion_->ticks()) end_of_motion();
   sample_ = motion_ ? &motion_->samples[static_cast<std::size_t>(index_)] : &held_;
@@ -406,6 +395,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   if (take_over()) {  // the new motion begins where the old one is, in a planning frame of its own
     sample_ = &motion_->samples.front();
     state_ = &estimator_.update(measured, anchor_);
+    update_slip();
   }
   if (guard_ == Guard::fallen || guard_ == Guard::stood_up) {
     soft_.q = measurement.q;
@@ -499,6 +489,7 @@ std::optional<Problem> Navigator::request() {
   std::optional<Problem> due = this->due();
   if (!due) return std::nullopt;
   asked_at_ = tick_;
+  stop_pressed_ = false;
   asked_ = std::move(due);
   waits_ = true;
   return asked_;
@@ -631,11 +622,10 @@ Problem Navigator::problem_of_replacing(int at) const {
 
 std::optional<Halt> Navigator::halt_from(int at) const {
   if (!retraced_) return std::nullopt;
-  // Where only a part of the way back is taken, what is left of it lies behind the rest that this leads to.
-  const std::size_t first = motion_->limit ? history_.back()->pieces.size() : 0;
+  const int leaves = motion_->leaves.value_or(motion_->ticks());
   const std::vector<Halt> rests = halts(*retraced_);
   const auto next = std::find_if(rests.begin(), rests.end(),
-                                 [&](const Halt& rest) { return rest.passed > at && rest.piece >= first; });
+                                 [&](const Halt& rest) { return rest.passed > at && rest.passed <= leaves; });
   const auto both_stand = [](const MotionSample& s) { return s.contact.left && s.contact.right; };
   const auto sample = motion_->samples.begin();
   if (next == rests.end() || !std::all_of(sample + at, sample + next->passed, both_stand)) return std::nullopt;
@@ -652,7 +642,9 @@ std::optional<Problem> Navigator::problem_of_stopping(int at) const {
     due.halt = halt;
     return due;
   }
-  if (halts_ || motion_for_.recall == Recall::stop || tick_ < asked_at_ + std::lround(kReplacing / motion_->period))
+  const bool again = asked_ && asked_->command.recall == Recall::stop;
+  if (halts_ || motion_for_.recall == Recall::stop ||
+      (again && tick_ < asked_at_ + std::lround(kReplacing / motion_->period)))
     return std::nullopt;
   return problem_of_ending(at);
 }
@@ -818,8 +810,9 @@ bool Navigator::take_over() {
   const bool urgent = stops || result.catches.has_value();
   if (disturbed_ && !urgent) return false;  // pushed meanwhile
   // Let go of meanwhile: the motion under way ends at rest.
-  if (motion_ && !urgent && (command_.neutral() || command_.recall == Recall::stop)) return false;
+  if (!urgent && (stop_pressed_ || (motion_ && command_.neutral()))) return false;
   if (const auto* motion = std::get_if<Motion>(&result.outcome)) {
+    if (motion->retraces && history_.empty()) return false;  // a slip has ended the way back meanwhile
     if (stops && motion_ && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_) return false;  // not sooner
     motion_for_ = asked_for_ = result.command;
     catches_ = result.catches;
@@ -851,9 +844,11 @@ void Navigator::commit(PlanningResult& result) {
   if (motion.retraces) {
     retraced_.swap(history_.back());
     result.trail.swap(history_.back());  // of a part of the way back: what is left of it
-    if (!motion.limit) history_.pop_back();
-  } else if (!motion_ || (motion_->retraces && !motion_->limit)) {
+    if (!motion.leaves) history_.pop_back();
+  } else if (!motion_) {
     history_.push_back(std::move(result.trail));
+  } else if (motion_->retraces && !motion_->leaves) {
+    if (retraced_) history_.push_back(std::move(result.trail));  // or a slip has ended that way back
   } else if (!history_.empty()) {
     history_.back().swap(result.trail);
   }
@@ -949,6 +944,7 @@ void Navigator::fall() {
   motion_.reset();
   waits_ = answered_ = false;
   disturbed_ = slipped_ = false;
+  dcm_error_.setZero();
   sample_ = &held_;
 }
 

@@ -207,6 +207,8 @@ class Navigator {
   [[nodiscard]] const Command& command() const { return command_; }
   /// The newest refusal, while the command that it answered still stands.
   [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
+  /// The command that the newest refusal answered.
+  [[nodiscard]] const Command& refused() const { return refused_; }
   /// Requests whose answer was not there at the take-over.
   [[nodiscard]] long dropped() const { return dropped_; }
   /// Motions that can be retraced.
@@ -315,9 +317,10 @@ class Navigator {
   long asked_at_ = 0;                      ///< tick of the last request
   std::optional<Problem> asked_;           ///< the request under way
   bool waits_ = false;                     ///< for its answer
+  bool stop_pressed_ = false;              ///< since it was made
   std::optional<PlanningResult> offered_;  ///< the newest answer, to be taken over, or what that left
   bool answered_ = false;                  ///< it is to be taken over
-  // The tick frees no memory: what is over is kept until the next request.
+  // The tick frees no memory: what is over is kept until the next `poll`.
   std::optional<Motion> past_motion_;
   std::optional<Refusal> past_refusal_;
   std::optional<Refusal> refusal_;

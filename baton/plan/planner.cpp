@@ -22,6 +22,7 @@ constexpr double kRoughly = 1.05;  ///< a survey's torques are not exact
 constexpr int kCorrections = 2;    ///< by the limbs' part in the ZMP
 constexpr double kSameRest = 1e-5;  ///< of a joint: what inverse kinematics may leave at a rest on the way back [rad]
 constexpr int kRestsTried = 8;      ///< on a way back that cannot be taken whole
+constexpr int kPartsVerified = 3;   ///< of it: each may take as long as the whole
 constexpr int kVain = 2;           ///< surveys in a row, after which a torque is taken for one that stays
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
@@ -59,6 +60,7 @@ bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) 
 Motion joined(const Motion& backwards, int ticks, Motion end) {
   Motion motion = std::move(end);
   motion.retraces = true;
+  motion.leaves = ticks;
   motion.dq0 = backwards.dq0;
   motion.contact_before = backwards.contact_before;
   motion.samples.insert(motion.samples.begin(), backwards.samples.begin(), backwards.samples.begin() + ticks);
@@ -228,6 +230,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
   };
   const std::vector<Halt> rests = halts(trail);
   int tries = kRestsTried;
+  int verified = 0;
   double until = against.t;
   for (auto rest = rests.rbegin(); rest != rests.rend() && tries > 0; ++rest) {
     if (rest->passed * whole.period > until) continue;
@@ -245,6 +248,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
       PlanResult planned = halt(from, trail, *rest, anchor);
       auto* end = std::get_if<Motion>(&planned);
       if (end == nullptr) continue;
+      if (verified++ == kPartsVerified) return std::nullopt;
       Motion part = joined(whole, leaves, *std::move(end));
       differentiate(*robot_, part);
       if (const std::optional<Refusal> refusal = certify(part, anchor)) {

@@ -28,6 +28,7 @@ TEST_P(FuzzTest, EveryTickIsVerifiedOrHeldOrSoftItStopsOnBothFeetAndReplays) {
   const World room = World::load("room");
   const int count = runs();
   FuzzedRun::Tally sum;
+  int armed = 0;  // when a stop was held
   for (int seed = 1; seed <= count; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     FuzzedRun run(robot, seed % 3 == 0 ? room : flat, static_cast<std::uint64_t>(seed));
@@ -39,6 +40,7 @@ TEST_P(FuzzTest, EveryTickIsVerifiedOrHeldOrSoftItStopsOnBothFeetAndReplays) {
     run.hold(stop, 10.0);
     if (HasFatalFailure()) return;
     if (run.navigator().guard() == Guard::armed) {
+      ++armed;
       EXPECT_TRUE(run.rests_on_both_feet()) << "after stop was held";
     }
     run.calm_down();
@@ -62,9 +64,10 @@ TEST_P(FuzzTest, EveryTickIsVerifiedOrHeldOrSoftItStopsOnBothFeetAndReplays) {
   EXPECT_GT(sum.refused, count);
   EXPECT_GT(sum.disturbed, 20 * count);
   EXPECT_GT(sum.slips, count / 2);
-  EXPECT_GT(sum.lifts, count / 4);
+  EXPECT_GT(sum.lifts, count / 8);
   EXPECT_GT(sum.falls, count / 4);
   EXPECT_GT(sum.stood_up, 0);
+  EXPECT_GT(armed, count / 3);
 }
 
 }  // namespace

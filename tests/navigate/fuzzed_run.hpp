@@ -61,7 +61,7 @@ class FuzzedRun {
   /// Everything at random.
   void drive(double seconds) {
     for (long k = std::lround(seconds * static_cast<double>(second_)); k > 0 && !testing::Test::HasFatalFailure(); --k)
-      step(stick_.next(), true);
+      step(command_at_random(), true);
   }
 
   /// Nothing goes wrong any more, and the stick is let go of until the robot can be driven again.
@@ -116,6 +116,17 @@ class FuzzedRun {
   }
 
  private:
+  /// The stick at random; now and then a way back for a while, or a stop for a moment, whatever the stick does.
+  Command command_at_random() {
+    Command command = stick_.next();
+    if (press_left_ == 0 && dice_.below(static_cast<int>(second_)) == 0) {
+      press_ = dice_.percent(60) ? Recall::retrace : Recall::stop;
+      press_left_ = press_ == Recall::stop ? dice_.between(1, 30) : dice_.between(1, static_cast<int>(second_));
+    }
+    if (press_left_ > 0 && --press_left_ > 0) command.recall = press_;
+    return command;
+  }
+
   enum class Trouble { none, pushed, slips, lifted, tipped, fallen_by_truth };
 
   /// A request, or an answer that comes in.
@@ -150,6 +161,7 @@ class FuzzedRun {
     spoil(tick.measurement);
     tick.command = command;
     tick.fall = trouble_ == Trouble::fallen_by_truth && ticks_left_ == 1;
+    stopped_since_ask_ = stopped_since_ask_ || command.recall == Recall::stop;
     const Before before = now();
     if (tick.fall) navigator_.fall();
     on_tick(true);
@@ -234,6 +246,7 @@ class FuzzedRun {
     const std::optional<Problem> problem = navigator_.request();
     if (!problem) return;
     EXPECT_EQ(navigator_.guard(), Guard::armed);
+    stopped_since_ask_ = false;
     const auto number = static_cast<int>(answers_.size());
     tick.events.push_back({PlanningEvent::ask, number});
     PlanningResult answer = planning_.plan(*problem);
@@ -342,6 +355,7 @@ class FuzzedRun {
       ++(stops ? tally_.stops : tally_.ordinary);
     }
     if (stops || answer->catches) return;
+    ASSERT_FALSE(stopped_since_ask_) << k << ": a stop was pressed since this was asked for";
     ASSERT_LE(navigator_.dcm_error().norm(), 0.02 * robot_.profile().stance.com_height) << k;
     ASSERT_FALSE(navigator_.disturbed()) << k;
   }
@@ -371,6 +385,9 @@ class FuzzedRun {
   Vec3 slid_ = Vec3::Zero();     ///< of those before [m]
   bool was_stood_up_ = false;
   bool stood_ = false;
+  Recall press_ = Recall::none;
+  int press_left_ = 0;  ///< ticks for which it is held
+  bool stopped_since_ask_ = false;
   Tally tally_;
 };
 

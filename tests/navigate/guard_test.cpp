@@ -140,6 +140,51 @@ TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
   EXPECT_GE(navigator.committed(), 1);
 }
 
+TEST_P(GuardTest, AWayBackThatASlipEndsWhileItIsPlannedIsNotTaken) {
+  for (int k = 0; k < 1200; ++k)
+    trip_.step(k < 200 ? forward() : Command{});
+  Navigator& navigator = trip_.navigator();
+  ASSERT_EQ(navigator.motion(), nullptr);
+  ASSERT_GE(navigator.history(), 1u);
+  const long before = navigator.committed();
+  Command back;
+  back.recall = Recall::retrace;
+  navigator.tick(trip_.body().read(), back);
+  navigator.poll();
+  const std::optional<Problem> problem = navigator.request();
+  ASSERT_TRUE(problem);
+  navigator.offer(trip_.planning().plan(*problem));
+  while (navigator.now() <= problem->take_over) {
+    Measurement measurement = trip_.body().read();
+    measurement.q[robot_.leg(Side::left).front()] += 0.3;  // a foot turns on the ground
+    navigator.tick(measurement, back);
+    navigator.poll();
+  }
+  EXPECT_GE(navigator.slips(), 1);
+  EXPECT_EQ(navigator.history(), 0u);
+  EXPECT_EQ(navigator.committed(), before);
+}
+
+TEST_P(GuardTest, NothingBeginsThatWasAskedForBeforeAStop) {
+  for (const bool tapped : {true, false}) {
+    tick(1.0, {});
+    Navigator& navigator = trip_.navigator();
+    const long before = navigator.committed();
+    navigator.tick(trip_.body().read(), forward());
+    navigator.poll();
+    const std::optional<Problem> problem = navigator.request();
+    ASSERT_TRUE(problem);
+    navigator.offer(trip_.planning().plan(*problem));
+    Command stop;
+    stop.recall = Recall::stop;
+    navigator.tick(trip_.body().read(), stop);
+    navigator.poll();
+    while (navigator.now() < problem->take_over)
+      navigator.tick(trip_.body().read(), tapped ? forward() : stop);
+    EXPECT_EQ(navigator.committed(), before);
+  }
+}
+
 TEST_P(GuardTest, WhoIsPushedDoesNotLiftTheFootThatWasToStep) {
   tick(0.3, {});
   for (int k = 0; k < 400 && (trip_.navigator().motion() == nullptr || !trip_.navigator().motion()->goal.swing); ++k)

@@ -24,6 +24,12 @@ class RetracePartTest : public testing::TestWithParam<std::string> {
     return World{file};
   }
 
+  static void come_to_rest(test::Trip& trip) {
+    for (int k = 0; k < 4000 && trip.navigator().motion() != nullptr; ++k)
+      trip.step({});
+    ASSERT_EQ(trip.navigator().motion(), nullptr);
+  }
+
   static Command retrace() {
     Command command;
     command.recall = Recall::retrace;
@@ -44,8 +50,7 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
   const double period = robot_.profile().tick.period;
   for (double t = 0.0; t < 6.0 * std::sqrt(height_ / 0.26); t += period)
     trip.step(walk);
-  while (trip.navigator().motion() != nullptr)
-    trip.step({});
+  come_to_rest(trip);
   const Problem problem = trip.navigator().problem(retrace());
   ASSERT_TRUE(problem.trail);
   const double here = problem.start.com.x();
@@ -96,10 +101,14 @@ TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysK
   walk.axes[0] = 1.0;
   const double period = robot_.profile().tick.period;
   const auto ticks = [&](double seconds) { return std::lround(seconds * std::sqrt(height_ / 0.26) / period); };
-  for (long k = ticks(6.0); k > 0; --k)
-    trip.step(walk);
-  while (trip.navigator().motion() != nullptr)
-    trip.step({});
+  // With rests between its steps, too: up and down it goes where it stands.
+  for (long k = 0; k < ticks(8.0); ++k) {
+    const bool bobs = k % ticks(2.0) > ticks(1.2);
+    Command command = walk;
+    if (bobs) command.axes << 0, 0, k % ticks(0.4) < ticks(0.2) ? 0.9 : -0.9, 0, 0, 0;
+    trip.step(command);
+  }
+  come_to_rest(trip);
   const Posture home = trip.home();
   const World world = floor_from(home.sole.left.p.x() + 0.2 * height_);
   Planning planning(robot_, world);
@@ -111,12 +120,12 @@ TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysK
   };
   // Again and again it is let go of on its way to the edge of the floor.
   for (int press = 0; press < 12; ++press) {
-    for (long k = ticks(0.8); k > 0; --k)
+    for (long k = ticks(0.3 + 0.13 * press); k > 0; --k)
       step(retrace(), planning);
     for (long k = ticks(4.0); k > 0 && (k > ticks(3.9) || navigator.motion() != nullptr); --k)
       step({}, planning);
     ASSERT_EQ(navigator.motion(), nullptr);
-    ASSERT_EQ(navigator.history(), 1u);
+    ASSERT_GE(navigator.history(), 1u);
   }
   step(retrace(), planning);
   ASSERT_EQ(navigator.motion(), nullptr) << "at the edge it has come as far as it can";
