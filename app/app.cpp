@@ -110,7 +110,8 @@ void add_answers(CLI::App& command, AnswerOptions& answers) {
                   "Answers of the planner come late, each by 0 to this many ms, at random by --seed")
       ->capture_default_str()
       ->transform(number(0.0, 10000.0));
-  command.add_option("--answer-loss", answers.loss, "Share of the planner's answers that are lost, at random by --seed")
+  command
+      .add_option("--answer-loss", answers.loss, "Share of the planner's answers that are lost, at random by --seed")
       ->capture_default_str()
       ->transform(number(0.0, 1.0));
 }

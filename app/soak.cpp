@@ -174,7 +174,8 @@ int soak(const SoakOptions& o) {
         report.tally.add(result->tally);
         if (listed && result->tally.failures > 0) {
           progress.clear();
-          write_replay(o, episodes, *result, robot.profile().tick.period, o.seed + result->tally.listed.front().episode);
+          write_replay(o, episodes, *result, robot.profile().tick.period,
+                       o.seed + result->tally.listed.front().episode);
         }
       }
       progress.show(tally, done());

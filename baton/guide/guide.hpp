@@ -60,8 +60,8 @@ class Guide {
   /// The same command of a foot, its goal brought into the foot's region.
   [[nodiscard]] Command within_region(const GuideContext& context, const Command& command) const;
 
-  /// Where the foothold that a command of a foot asks for is on an edge: the nearest one that leads the same way and can
-  /// be stood on, short of the edge or past it. Nothing if there is none, or the foot is to be in the air.
+  /// Where the foothold that a command of a foot asks for is on an edge: the nearest one that leads the same way and
+  /// can be stood on, short of the edge or past it. Nothing if there is none, or the foot is to be in the air.
   [[nodiscard]] GuideResult nearest_step(const GuideContext& context, const Command& command) const;
 
   /// A step of the other foot that leads the way a guided foot is to go: at an edge that is too far from the other foot
@@ -114,8 +114,8 @@ class Guide {
                                         const std::function<bool(const Vec2&)>& serves = {}) const;
   /// Where a command sends the foot that it guides.
   struct FootWish {
-    Vec2 move;         ///< [m]
-    double yaw = 0.0;  ///< [rad]
+    Vec2 move;          ///< [m]
+    double yaw = 0.0;   ///< [rad]
     double lift = 0.0;  ///< height above the ground; 0: it is to stand [m]
   };
   [[nodiscard]] FootWish foot_wish(const GuideContext& context, const Command& command) const;

@@ -61,9 +61,9 @@ struct Motion {
   bool retraces = false;    ///< an executed motion, backwards
   /// Of a way back that is taken in part: the sample at which it leaves the executed motion for the rest it ends at.
   std::optional<int> leaves;
-  Pose lift_off;            ///< where the swing foot left the ground, or was in the air at rest
-  double apex_t = 0.0;      ///< when the swing foot is highest [s]
-  double apex = 0.0;        ///< how high that is [m]
+  Pose lift_off;        ///< where the swing foot left the ground, or was in the air at rest
+  double apex_t = 0.0;  ///< when the swing foot is highest [s]
+  double apex = 0.0;    ///< how high that is [m]
   /// What spoke against the longest of the shorter durations that were tried.
   std::optional<Refusal> not_shorter;
   /// What spoke against the goal that the command asked for, if this is only a part of the way there.

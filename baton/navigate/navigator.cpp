@@ -813,7 +813,8 @@ bool Navigator::take_over() {
   if (!urgent && (stop_pressed_ || (motion_ && command_.neutral()))) return false;
   if (const auto* motion = std::get_if<Motion>(&result.outcome)) {
     if (motion->retraces && history_.empty()) return false;  // a slip has ended the way back meanwhile
-    if (stops && motion_ && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_) return false;  // not sooner
+    if (stops && motion_ && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_)
+      return false;  // not sooner
     motion_for_ = asked_for_ = result.command;
     catches_ = result.catches;
     caught_ += catches_.has_value() ? 1 : 0;

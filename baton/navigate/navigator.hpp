@@ -65,7 +65,7 @@ struct PlanningResult {
   std::variant<std::monostate, Motion, Refusal> outcome;
   /// With a motion: what it belongs to from then on, or retraces; with a part of a way back, what is left of that.
   std::shared_ptr<const Trail> trail;
-  std::optional<Vec2> catches{};       ///< as in the problem
+  std::optional<Vec2> catches{};  ///< as in the problem
 };
 
 /// Problem → result. Pure and slow; may live on a thread of its own.
@@ -298,11 +298,11 @@ class Navigator {
   const State* state_ = nullptr;
   JointTarget soft_;  ///< after a fall: nothing is asked of the motors
   Guard guard_ = Guard::armed;
-  int guard_ticks_ = 0;          ///< for which what would change it has been so
-  double inclined_ = 0.0;        ///< of a sole to the plan, the most of late [rad]
+  int guard_ticks_ = 0;    ///< for which what would change it has been so
+  double inclined_ = 0.0;  ///< of a sole to the plan, the most of late [rad]
   Vec2 dcm_error_ = Vec2::Zero();
-  bool disturbed_ = false;  ///< the DCM is too far from where it should be for anything new
-  bool slipped_ = false;    ///< soles stand too far from where they were planned for the way back to be kept
+  bool disturbed_ = false;       ///< the DCM is too far from where it should be for anything new
+  bool slipped_ = false;         ///< soles stand too far from where they were planned for the way back to be kept
   std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
   long caught_ = 0;              ///< motions of that kind so far
   long slips_ = 0;

@@ -18,12 +18,12 @@ constexpr double kSurveySpacing = 0.02;  ///< but none nearer to each other than
 constexpr int kSwingSurveyed = 20;       ///< the same while a foot swings
 constexpr int kSurveyIterations = 12;    ///< of inverse kinematics for each
 constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
-constexpr double kRoughly = 1.05;  ///< a survey's torques are not exact
-constexpr int kCorrections = 2;    ///< by the limbs' part in the ZMP
+constexpr double kRoughly = 1.05;   ///< a survey's torques are not exact
+constexpr int kCorrections = 2;     ///< by the limbs' part in the ZMP
 constexpr double kSameRest = 1e-5;  ///< of a joint: what inverse kinematics may leave at a rest on the way back [rad]
 constexpr int kRestsTried = 8;      ///< on a way back that cannot be taken whole
 constexpr int kPartsVerified = 3;   ///< of it: each may take as long as the whole
-constexpr int kVain = 2;           ///< surveys in a row, after which a torque is taken for one that stays
+constexpr int kVain = 2;            ///< surveys in a row, after which a torque is taken for one that stays
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
 constexpr double kSlower = 1.5;       ///< the same from one that failed for what is not a matter of time

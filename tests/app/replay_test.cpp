@@ -88,9 +88,9 @@ TEST_F(Replay, AlsoOfARunThatIsPushedAndWhoseAnswersComeLateOrNever) {
           script += app::script_line(0.005 * k, stick.next()) + '\n';
         const std::string report = scratch_.path("r.json");
         std::vector<std::string> args{
-            "drive", "--world",  "flat",  "--input",    "script:" + scratch_.write("wild.jsonl", script),
-            "--fast", "--seconds", "8",    "--scenario", scenario,
-            "--seed", seed,        "--record", file_,   "--report",
+            "drive",  "--world",   "flat",     "--input",    "script:" + scratch_.write("wild.jsonl", script),
+            "--fast", "--seconds", "8",        "--scenario", scenario,
+            "--seed", seed,        "--record", file_,        "--report",
             report};
         if (spoilt) args.insert(args.end(), {"--answer-delay", "60", "--answer-loss", "0.1"});
         ASSERT_EQ(run(args).code, app::kDone);

@@ -380,9 +380,9 @@ class FuzzedRun {
   Trouble trouble_ = Trouble::none;
   long ticks_left_ = 0;
   Vec3 direction_ = Vec3::Zero();
-  double size_ = 0.0;            ///< of a push: how far the DCM is off [m]
-  Vec3 slide_ = Vec3::Zero();    ///< of a slip [m]
-  Vec3 slid_ = Vec3::Zero();     ///< of those before [m]
+  double size_ = 0.0;          ///< of a push: how far the DCM is off [m]
+  Vec3 slide_ = Vec3::Zero();  ///< of a slip [m]
+  Vec3 slid_ = Vec3::Zero();   ///< of those before [m]
   bool was_stood_up_ = false;
   bool stood_ = false;
   Recall press_ = Recall::none;
