@@ -152,6 +152,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
   if (read.at("baton_recording").json() != kVersion)
     read.at("baton_recording").complain(fmt::format("{}, the version that this program reads", kVersion));
   static_cast<void>(read.at("on").one_of({"sim", "ideal"}));
+  static_cast<void>(read.at("seed").whole(std::numeric_limits<long>::min(), std::numeric_limits<long>::max()));
   head_ = {read.at("robot").text(),
            read.at("world").text(),
            read.at("duration").one_of({"paper", "search"}),
