@@ -20,8 +20,8 @@ namespace baton::app {
 /// What goes wrong with the planner's answers on their way to the navigator.
 struct AnswerFaults {
   double delay = 0.0;      ///< each comes late, by at most this [s]
-  double loss = 0.0;       ///< share of them that never comes
-  std::uint64_t seed = 0;  ///< of both
+  double loss = 0.0;       ///< share of answers that never come
+  std::uint64_t seed = 0;  ///< of the delays and losses
 
   [[nodiscard]] bool any() const { return delay > 0.0 || loss > 0.0; }
 };
@@ -110,7 +110,7 @@ class Session {
   AnswerFaults faults_;
   Dice dice_{0};
   long due_at_ = 0;                              ///< tick from which the answer to the newest problem may come
-  bool lost_ = false;                            ///< it is lost
+  bool lost_ = false;                            ///< the answer to the newest problem is lost
   std::optional<PlanningThread::Answer> ready_;  ///< what was planned on the spot
   double t_ = 0.0;
   long ticks_ = 0;

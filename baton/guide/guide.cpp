@@ -12,8 +12,8 @@ namespace {
 constexpr double kSamePlace = 1e-3;                    ///< [m] differences below do not decide
 constexpr double kSameYaw = 0.01;                      ///< [rad]
 constexpr double kLeads = 0.7;                         ///< cosine of the angle between two ways that are one
-constexpr double kLeastStep = 0.5;                     ///< of the way asked for: of a step to another place
-constexpr double kLeastApproach = 0.1;                 ///< of it: of a step of the other foot before
+constexpr double kLeastStep = 0.5;                     ///< shortest step to another place, share of the way asked for
+constexpr double kLeastApproach = 0.1;                 ///< shortest step of the other foot, share of the way asked for
 constexpr double kSearch = 0.01;                       ///< spacing of the places that a foot is tried at [m]
 constexpr double kFineSearch = 0.002;                  ///< the same straight ahead, where edges are [m]
 constexpr double kLowestLift = 0.25;                   ///< of a step's clearance: no foot hangs lower

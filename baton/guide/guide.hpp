@@ -64,8 +64,8 @@ class Guide {
   /// can be stood on, short of the edge or past it. Nothing if there is none, or the foot is to be in the air.
   [[nodiscard]] GuideResult nearest_step(const GuideContext& context, const Command& command) const;
 
-  /// A step of the other foot that leads the way a guided foot is to go: at an edge that is too far from the other foot
-  /// to be stepped past, that one comes first. Nothing if it stands as near already.
+  /// A step of the other foot towards where the guided foot is to go, for when that one cannot step: at an edge that is
+  /// out of its region, or at its region's forward border. Nothing if the other foot gains too little by a step.
   [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Command& command) const;
 
   /// Ways to put down a foot that is in the air: where it is, where it stood last, at the nearest place; with the

@@ -115,6 +115,12 @@ void note_steps(const Goal& goal, Side& last_step, BySide<Pose>& foothold) {
   if (goal.swing) last_step = *goal.swing;
 }
 
+/// What a planner answered, as an answer to a problem.
+std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
+  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+  return std::get<Refusal>(std::move(planned));
+}
+
 }  // namespace
 
 Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
@@ -172,9 +178,7 @@ Planning::Outcome Planning::resolve(Planner& planner, const Problem& problem, Gu
   if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
-  PlanResult planned = first_of(planner, *goals, problem);
-  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
-  return std::get<Refusal>(std::move(planned));
+  return outcome_of(first_of(planner, *goals, problem));
 }
 
 Planning::Outcome Planning::go_back(const Problem& problem, std::shared_ptr<const Trail>& left) {
@@ -251,9 +255,7 @@ Planning::Outcome Planning::quickest(Planner& planner, const std::vector<Goal>& 
 }
 
 Planning::Outcome Planning::halt(const Problem& problem) {
-  PlanResult planned = planner_.halt(problem.start, *problem.trail, *problem.halt, problem.context.anchor);
-  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
-  return std::get<Refusal>(std::move(planned));
+  return outcome_of(planner_.halt(problem.start, *problem.trail, *problem.halt, problem.context.anchor));
 }
 
 std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem, const Refusal& against) {

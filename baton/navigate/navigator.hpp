@@ -317,7 +317,7 @@ class Navigator {
   long asked_at_ = 0;                      ///< tick of the last request
   std::optional<Problem> asked_;           ///< the request under way
   bool waits_ = false;                     ///< for its answer
-  bool stop_pressed_ = false;              ///< since it was made
+  bool stop_pressed_ = false;              ///< a stop was pressed since the newest request
   std::optional<PlanningResult> offered_;  ///< the newest answer, to be taken over, or what that left
   bool answered_ = false;                  ///< it is to be taken over
   // The tick frees no memory: what is over is kept until the next `poll`.

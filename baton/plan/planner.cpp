@@ -21,8 +21,8 @@ constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
 constexpr double kRoughly = 1.05;   ///< a survey's torques are not exact
 constexpr int kCorrections = 2;     ///< by the limbs' part in the ZMP
 constexpr double kSameRest = 1e-5;  ///< of a joint: what inverse kinematics may leave at a rest on the way back [rad]
-constexpr int kRestsTried = 8;      ///< on a way back that cannot be taken whole
-constexpr int kPartsVerified = 3;   ///< of it: each may take as long as the whole
+constexpr int kRestsTried = 8;      ///< rests tried on a way back that cannot be taken whole
+constexpr int kPartsVerified = 3;   ///< verifications of a part of a way back; each may take as long as the whole
 constexpr int kVain = 2;            ///< surveys in a row, after which a torque is taken for one that stays
 // The search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
@@ -64,11 +64,7 @@ Motion joined(const Motion& backwards, int ticks, Motion end) {
   motion.dq0 = backwards.dq0;
   motion.contact_before = backwards.contact_before;
   motion.samples.insert(motion.samples.begin(), backwards.samples.begin(), backwards.samples.begin() + ticks);
-  std::vector<ContactPhase> phases;
-  for (int left = ticks; left > 0; left -= phases.back().ticks) {
-    phases.push_back(backwards.phases[phases.size()]);
-    phases.back().ticks = std::min(phases.back().ticks, left);
-  }
+  const std::vector<ContactPhase> phases = first_phases(backwards.phases, ticks);
   motion.phases.insert(motion.phases.begin(), phases.begin(), phases.end());
   return motion;
 }

@@ -76,11 +76,7 @@ Motion reversed(const RobotModel& robot, const Trail& trail) {
   }
   int last = 1;  // a motion that was replaced hands its last sample to the next
   for (auto piece = trail.pieces.rbegin(); piece != trail.pieces.rend(); ++piece) {
-    std::vector<ContactPhase> phases;
-    for (int left = piece->ticks; left > 0; left -= phases.back().ticks) {
-      phases.push_back(piece->phases[phases.size()]);
-      phases.back().ticks = std::min(phases.back().ticks, left);
-    }
+    const std::vector<ContactPhase> phases = first_phases(piece->phases, piece->ticks);
     motion.phases.insert(motion.phases.end(), phases.rbegin(), phases.rend());
     for (int k = piece->ticks - 1 + std::exchange(last, 0); k >= 0; --k) {
       const Trail::Point& point = (*piece->points)[static_cast<std::size_t>(k)];
@@ -98,6 +94,15 @@ Motion reversed(const RobotModel& robot, const Trail& trail) {
     motion.samples[i].dcom = (motion.samples[i + 1].com - motion.samples[i - 1].com) / (2.0 * motion.period);
   }
   return motion;
+}
+
+std::vector<ContactPhase> first_phases(const std::vector<ContactPhase>& phases, int ticks) {
+  std::vector<ContactPhase> first;
+  for (int remaining = ticks; remaining > 0; remaining -= first.back().ticks) {
+    first.push_back(phases[first.size()]);
+    first.back().ticks = std::min(first.back().ticks, remaining);
+  }
+  return first;
 }
 
 void set_contacts(Motion& motion) {

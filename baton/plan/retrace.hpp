@@ -54,6 +54,9 @@ struct Halt {
 /// The same path backwards, to be verified: from where `trail` ends to where it began.
 [[nodiscard]] Motion reversed(const RobotModel& robot, const Trail& trail);
 
+/// The phases of the first `ticks` of a motion that has these.
+[[nodiscard]] std::vector<ContactPhase> first_phases(const std::vector<ContactPhase>& phases, int ticks);
+
 /// Fills in which soles stand at a motion's samples by its phases: where two meet, the later one counts.
 void set_contacts(Motion& motion);
 
