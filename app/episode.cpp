@@ -212,7 +212,7 @@ class Run {
 
   void look_whether_refused(const PlanRecord& record) {
     const auto* refusal = std::get_if<Refusal>(&record.result.outcome);
-    if (refusal == nullptr || record.problem.command.recall != Recall::retrace || !record.problem.trail) return;
+    if (refusal == nullptr || record.request.command.recall != Recall::retrace || !record.request.trail) return;
     ++tally_.retrace.tried;
     ++tally_.retrace.refused;
     if (on_ == Session::On::ideal)
@@ -231,7 +231,7 @@ class Run {
   }
 
   void test_whether_stuck() {
-    if (stuck(stuck_planning_, session_.navigator().problem({}))) fail("stuck", session_.t(), 0.0, 0.0, "");
+    if (stuck(stuck_planning_, session_.navigator().request_for({}))) fail("stuck", session_.t(), 0.0, 0.0, "");
   }
 
   const RobotModel& robot_;
@@ -240,7 +240,7 @@ class Run {
   Session session_;
   std::optional<Checker> checker_;
   Report report_;
-  Planning stuck_planning_;
+  Strategy stuck_planning_;
   Checker::Tick tick_;
   Tally tally_;
   long ticks_ = 0;
@@ -286,10 +286,10 @@ std::string Episodes::script(long index, const EpisodeResult& result) const {
   return stick_script(stick(index), robot_->profile().tick.period, ticks()) + result.back;
 }
 
-bool stuck(Planning& planning, Problem problem) {
+bool stuck(Strategy& planning, Request request) {
   const auto goes = [&](const Command& command) {
-    problem.command = command;
-    return std::holds_alternative<Motion>(planning.plan(problem).outcome);
+    request.command = command;
+    return std::holds_alternative<Motion>(planning.plan(request).outcome);
   };
   Command command;
   for (const double size : {0.5, 1.0, 0.1}) {

@@ -57,7 +57,7 @@ class Episodes {
 };
 
 /// Whether no command at all, of many different ones and the way back, has a motion from there.
-/// @param problem from where the robot rests; its command does not matter
-[[nodiscard]] bool stuck(Planning& planning, Problem problem);
+/// @param request from where the robot rests; its command does not matter
+[[nodiscard]] bool stuck(Strategy& planning, Request request);
 
 }  // namespace baton::app

@@ -18,15 +18,15 @@ PlanningThread::~PlanningThread() {
   thread_.join();
 }
 
-void PlanningThread::post(Problem problem) {
-  answer_.problem = std::move(problem);
+void PlanningThread::post(Request request) {
+  reply_.request = std::move(request);
   state_.store(State::posted, std::memory_order_release);
   state_.notify_one();
 }
 
-std::optional<PlanningThread::Answer> PlanningThread::poll() {
+std::optional<PlanningThread::Reply> PlanningThread::poll() {
   if (state_.load(std::memory_order_acquire) != State::answered) return std::nullopt;
-  std::optional<Answer> answer = std::move(answer_);
+  std::optional<Reply> answer = std::move(reply_);
   const std::exception_ptr error = std::exchange(error_, nullptr);
   state_.store(State::idle, std::memory_order_release);
   if (error) std::rethrow_exception(error);
@@ -43,8 +43,8 @@ void PlanningThread::run() {
     if (state == State::ending) return;
     try {
       const double asked = cpu_us();
-      answer_.result = planning_.plan(answer_.problem);
-      answer_.plan_us = cpu_us() - asked;
+      reply_.result = planning_.plan(reply_.request);
+      reply_.plan_us = cpu_us() - asked;
     } catch (...) {
       error_ = std::current_exception();
     }

@@ -1,4 +1,4 @@
-/// Planning on a thread of its own, so that the loop never waits: one problem at a time, one answer.
+/// Planning on a thread of its own, so that the loop never waits: one request at a time, one answer.
 #pragma once
 
 #include <atomic>
@@ -7,14 +7,15 @@
 #include <thread>
 
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 
 namespace baton::app {
 
 class PlanningThread {
  public:
-  struct Answer {
-    Problem problem;
-    PlanningResult result;
+  struct Reply {
+    Request request;
+    Answer result;
     double plan_us = 0.0;  ///< CPU time of it [µs]
   };
 
@@ -24,24 +25,24 @@ class PlanningThread {
   PlanningThread(const PlanningThread&) = delete;
   PlanningThread& operator=(const PlanningThread&) = delete;
 
-  /// Whether it waits for a problem.
+  /// Whether it waits for a request.
   [[nodiscard]] bool idle() const { return state_.load(std::memory_order_acquire) == State::idle; }
 
-  /// Hands in a problem; only while it is idle. Returns at once.
-  void post(Problem problem);
+  /// Hands in a request; only while it is idle. Returns at once.
+  void post(Request request);
 
   /// The answer, once it is there; it is idle from then on. Returns at once.
   /// @throws what planning threw
-  [[nodiscard]] std::optional<Answer> poll();
+  [[nodiscard]] std::optional<Reply> poll();
 
  private:
   enum class State { idle, posted, answered, ending };
 
   void run();
 
-  Planning planning_;
+  Strategy planning_;
   std::atomic<State> state_{State::idle};  ///< says whose turn it is with the answer
-  Answer answer_;
+  Reply reply_;
   std::exception_ptr error_;
   std::thread thread_;
 };

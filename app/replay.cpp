@@ -32,8 +32,8 @@ int replay(const ReplayOptions& o) {
   const Modes modes = modes_of({head.duration, head.gait, head.on_limit});
   Navigator navigator(robot, world, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait,
                       state_named(head.state));
-  Planning planning(robot, world, modes);
-  std::optional<PlanningResult> answer;
+  Strategy planning(robot, world, modes);
+  std::optional<Answer> answer;
   const auto differs = [&](const std::string& what) {
     fmt::print("tick {}: {}\n", navigator.now(), what);
     return kFailed;
@@ -52,9 +52,9 @@ int replay(const ReplayOptions& o) {
         answer.reset();
         continue;
       }
-      const std::optional<Problem> problem = navigator.request();
-      if (!problem && o.verify) return differs("nothing is asked of the planner, as it was when it was recorded");
-      if (problem) answer = planning.plan(*problem);
+      const std::optional<Request> request = navigator.request();
+      if (!request && o.verify) return differs("nothing is asked of the planner, as it was when it was recorded");
+      if (request) answer = planning.plan(*request);
     }
   }
   fmt::print("{} ticks, {:.1f} s: {} segments, {} answers too late{}\n", navigator.now() + 1,

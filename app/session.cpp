@@ -120,35 +120,35 @@ void Session::spoil_answers(const AnswerFaults& faults) {
 void Session::plan() {
   navigator_.poll();
   const auto hand_in = [this] {
-    std::optional<PlanningThread::Answer> answer = this->answer();
+    std::optional<PlanningThread::Reply> answer = this->answer();
     if (!answer || lost_) return;
-    if (on_plan) on_plan({t_, answer->problem, answer->result, answer->plan_us});
+    if (on_plan) on_plan({t_, answer->request, answer->result, answer->plan_us});
     if (on_event) on_event(PlanningEvent::offer);
     navigator_.offer(std::move(answer->result));
   };
   hand_in();
   const bool busy = thread_ ? !thread_->idle() : ready_.has_value();
   if (busy) return;
-  std::optional<Problem> problem = navigator_.request();
-  if (!problem) return;
+  std::optional<Request> request = navigator_.request();
+  if (!request) return;
   if (on_event) on_event(PlanningEvent::ask);
-  post(*std::move(problem));
+  post(*std::move(request));
   if (!thread_) hand_in();
 }
 
-std::optional<PlanningThread::Answer> Session::answer() {
+std::optional<PlanningThread::Reply> Session::answer() {
   if (ticks_ < due_at_) return std::nullopt;
   return thread_ ? thread_->poll() : std::exchange(ready_, std::nullopt);
 }
 
-void Session::post(Problem problem) {
+void Session::post(Request request) {
   const auto latest = static_cast<int>(std::lround(faults_.delay / robot_->profile().tick.period));
   due_at_ = ticks_ + dice_.between(0, latest);
   lost_ = dice_.share() < faults_.loss;
-  if (thread_) return thread_->post(std::move(problem));
+  if (thread_) return thread_->post(std::move(request));
   const double asked = cpu_us();
-  PlanningResult result = planning_.plan(problem);
-  ready_ = {std::move(problem), std::move(result), cpu_us() - asked};
+  Answer result = planning_.plan(request);
+  ready_ = {std::move(request), std::move(result), cpu_us() - asked};
 }
 
 }  // namespace baton::app

@@ -11,6 +11,7 @@
 #include "app/stick.hpp"
 #include "baton/input/device.hpp"
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 #include "baton/record/recording.hpp"
 #include "baton/record/tick_record.hpp"
 #include "baton/robot/simulated_robot.hpp"
@@ -94,8 +95,8 @@ class Session {
   /// Asks the planner for what is due, if it is free, and hands in what it has answered.
   void plan();
   /// The answer of the planner, once it is there and its delay is over.
-  [[nodiscard]] std::optional<PlanningThread::Answer> answer();
-  void post(Problem problem);
+  [[nodiscard]] std::optional<PlanningThread::Reply> answer();
+  void post(Request request);
 
   const RobotModel* robot_;
   const World* world_;
@@ -105,13 +106,13 @@ class Session {
   std::unique_ptr<TransparentRobot> body_;
   Navigator navigator_;
   Modes modes_;
-  Planning planning_;
+  Strategy planning_;
   std::optional<PlanningThread> thread_;
   AnswerFaults faults_;
   Dice dice_{0};
-  long due_at_ = 0;                              ///< tick from which the answer to the newest problem may come
-  bool lost_ = false;                            ///< the answer to the newest problem is lost
-  std::optional<PlanningThread::Answer> ready_;  ///< what was planned on the spot
+  long due_at_ = 0;                             ///< tick from which the answer to the newest request may come
+  bool lost_ = false;                           ///< the answer to the newest request is lost
+  std::optional<PlanningThread::Reply> ready_;  ///< what was planned on the spot
   double t_ = 0.0;
   long ticks_ = 0;
 };

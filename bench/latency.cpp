@@ -5,6 +5,7 @@
 
 #include "baton/ik/stand.hpp"
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 #include "baton/robot/ideal_robot.hpp"
 #include "bench/bench.hpp"
 #include "bench/draw.hpp"
@@ -117,7 +118,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
   const Profile& profile = robot.profile();
   const double period = profile.tick.period;
   const Posture start = stand(robot, world.site("start"), profile.stance.com_height);
-  Planning planning(robot, world);
+  Strategy planning(robot, world);
   Run changed(robot, world, start);
   Run held(robot, world, start);
   Run unanswered(robot, world, start);
@@ -127,9 +128,9 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
       for (Run* run : {&changed, &held, &unanswered})
         run->tick(stretch.command);
       // They are the same so far: what is planned for one is the answer for all.
-      const std::optional<Problem> problem = changed.navigator.request();
-      if (!problem) continue;
-      const PlanningResult result = planning.plan(*problem);
+      const std::optional<Request> request = changed.navigator.request();
+      if (!request) continue;
+      const Answer result = planning.plan(*request);
       changed.navigator.offer(result);
       for (Run* run : {&held, &unanswered}) {
         if (run->navigator.request()) run->navigator.offer(result);
@@ -149,11 +150,11 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
       change.latency = static_cast<double>(k) * period;
       break;
     }
-    if (const std::optional<Problem> problem = held.navigator.request()) held.navigator.offer(planning.plan(*problem));
-    const std::optional<Problem> problem = changed.navigator.request();
-    if (!problem) continue;
+    if (const std::optional<Request> request = held.navigator.request()) held.navigator.offer(planning.plan(*request));
+    const std::optional<Request> request = changed.navigator.request();
+    if (!request) continue;
     const double before = cpu_us();
-    PlanningResult result = planning.plan(*problem);
+    Answer result = planning.plan(*request);
     change.plan_us.push_back(cpu_us() - before);
     const auto* refusal = std::get_if<Refusal>(&result.outcome);
     if (change.plan_us.size() == 1 && !std::holds_alternative<Motion>(result.outcome))

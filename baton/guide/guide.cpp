@@ -394,7 +394,7 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
   if (!deflected && lift == 0.0 && !up) return std::monostate{};
   if (!deflected && lift > 0.0 && up && !rises) return std::monostate{};
-  // The ways down are those that were verified before the foot was lifted: `Planning::no_landing`.
+  // The ways down are those that were verified before the foot was lifted: `Strategy::no_landing`.
   if (up && lift == 0.0 && !deflected) return landings(context, side);
   if (placement.against) return *placement.against;
   return foot_goals(context, side, placement.sole, lift == 0.0);

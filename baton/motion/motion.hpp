@@ -71,6 +71,8 @@ struct Motion {
 
   [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }
   [[nodiscard]] double duration() const { return period * ticks(); }
+  /// Sample at which the last phase begins.
+  [[nodiscard]] int last_phase() const { return ticks() - phases.back().ticks; }
 };
 
 }  // namespace baton

@@ -12,9 +12,6 @@ namespace baton {
 namespace {
 
 constexpr double kPatience = 0.05;        ///< from a refusal at rest to the next request [s]
-constexpr int kShrinkings = 3;            ///< shares of a goal that are tried
-constexpr std::size_t kAxesTried = 3;     ///< one by one, when nothing along the direction can be had
-constexpr double kWorth = 0.05;           ///< least part of the guided part's reach that a shrunk motion makes
 constexpr double kSlip = 0.2;             ///< jump of the planning frame that is a slip, of the reach of a foot
 constexpr double kByEdges = 2.0;          ///< of the feet's largest distance: edges within that may be landed by
 constexpr double kSlipByEdges = 0.5;      ///< there, of the margin to them: so far soles may slide on the way back
@@ -23,8 +20,6 @@ constexpr std::ptrdiff_t kHistory = 200;  ///< motions that are kept to be retra
 constexpr long kHistoryTicks = 100000;    ///< of all of them together
 constexpr int kMostLate = 5;              ///< doublings of the lookahead, at rest, when answers come too late
 constexpr double kReplacing = 0.1;        ///< between two replacements of a motion on its way [s]
-constexpr double kLeastFlight = 0.04;     ///< a foot that leaves or meets the ground sooner is not sent elsewhere [s]
-constexpr double kSooner = 0.5;           ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kTube = 0.02;            ///< error of the DCM with which nothing new is begun [COM height]
 constexpr double kInPlace = 1e-3;  ///< soles of a robot at rest that are not farther off are in place [COM height, rad]
 constexpr double kSameHeight = 4e-3;   ///< nor do heights that differ by less, as soles sink [COM height]
@@ -37,38 +32,14 @@ constexpr double kSure = 0.15;         ///< for which that has to last [s]
 constexpr double kStill = 1.0;         ///< for which a robot that has been stood up has to be still [s]
 constexpr double kStillSpeed = 0.1;    ///< and its COM no faster [COM heights/s]
 constexpr double kEachCarries = 0.2;   ///< each sole with so much of the weight
-constexpr double kFlat = 0.1;          ///< and no more inclined; nor may one be that carries the robot alone [rad]
 constexpr double kReserve = 0.05;      ///< of the ZMP's room, with which a step that catches the robot is made
 constexpr double kLacks = 0.02;        ///< of the commanded ZMP that is not there, and does not count [COM height]
-constexpr double kFalls = 0.1;        ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
-constexpr double kLeastCatch = 0.15;  ///< how far such a step goes at least: the push may go on [COM height]
-constexpr double kFarther = 1.5;      ///< of that step's way: so much farther, and it is sent there
-constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
-constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
-constexpr double kUneven = 0.015;  ///< inclination to the plan from which the ground is not what the map says [rad]
-constexpr double kForgets = 10.0;  ///< time constant with which that is forgotten [s]
-constexpr double kCareful = 2.0;   ///< there, times the margin of the planned ZMP
+constexpr double kLeastCatch = 0.15;   ///< how far such a step goes at least: the push may go on [COM height]
+constexpr double kFarther = 1.5;       ///< of that step's way: so much farther, and it is sent there
+constexpr double kUneven = 0.015;      ///< inclination to the plan from which the ground is not what the map says [rad]
+constexpr double kForgets = 10.0;      ///< time constant with which that is forgotten [s]
 constexpr double kUnsure = 0.7;  ///< share of the room on both sides of an edge, as a step goes past it, to stay off it
 constexpr double kBack = 0.01;   ///< error below which it is again
-
-/// What a step that catches the robot may use up: what is there for a plan to be followed well, not what the robot
-/// needs afterwards to go on from where it stands.
-RobotModel hasty(const RobotModel& robot) {
-  Profile profile = robot.profile();
-  profile.margin.zmp_plan = profile.margin.zmp_feedback;
-  profile.margin.torque = 1.0;
-  profile.margin.acceleration *= kHastyAcceleration;
-  profile.swing.clearance *= kHastySwing;
-  profile.swing.time *= kHastySwing;
-  return RobotModel(std::move(profile));
-}
-
-/// On ground that is not what the map says: a sole may stand on a part of it only.
-RobotModel careful(const RobotModel& robot) {
-  Profile profile = robot.profile();
-  profile.margin.zmp_plan = std::min(kCareful * profile.margin.zmp_plan, profile.margin.stand_on);
-  return RobotModel(std::move(profile));
-}
 
 /// How much room the longest step past an edge leaves on each side of it, beside the margin to edges [m].
 double past_edges(const RobotModel& robot) {
@@ -77,11 +48,6 @@ double past_edges(const RobotModel& robot) {
   for (const Vec2& vertex : robot.sole(Side::left).vertices())
     toe = std::max(toe, vertex.x());
   return std::max(0.0, 0.5 * (profile.region.foot_x.hi - 2.0 * toe) - profile.margin.edge);
-}
-
-/// Sample at which the last phase begins.
-int last_phase_of(const Motion& motion) {
-  return motion.ticks() - motion.phases.back().ticks;
 }
 
 /// A level move, seen from a point: how far it takes it, and how it turns.
@@ -115,256 +81,7 @@ void note_steps(const Goal& goal, Side& last_step, BySide<Pose>& foothold) {
   if (goal.swing) last_step = *goal.swing;
 }
 
-/// What a planner answered, as an answer to a problem.
-std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
-  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
-  return std::get<Refusal>(std::move(planned));
-}
-
 }  // namespace
-
-Planning::Planning(const RobotModel& robot, const World& world, Modes modes)
-    : robot_(&robot),
-      modes_(modes),
-      guide_(robot, world),
-      planner_(robot, world, modes.duration),
-      careful_(careful(robot)),
-      careful_planner_(careful_, world, modes.duration),
-      hasty_(hasty(robot)),
-      hasty_planner_(hasty_, world) {}
-
-PlanningResult Planning::plan(const Problem& problem) {
-  PlanningResult result{problem.take_over, problem.command, problem.context, {}, problem.trail, problem.catches};
-  result.outcome = outcome(problem, result.trail);
-  const auto* motion = std::get_if<Motion>(&result.outcome);
-  if (motion == nullptr && problem.otherwise) return plan(*problem.otherwise);
-  if (motion == nullptr || motion->retraces) return result;
-  if (problem.replaced_at < 0) {
-    result.trail = std::make_shared<const Trail>(trail_of(problem.start, *motion));
-  } else if (problem.halt) {
-    result.trail = std::make_shared<const Trail>(trail_to(*problem.trail, *problem.halt));
-  } else if (problem.trail) {
-    result.trail = std::make_shared<const Trail>(continued(*problem.trail, problem.replaced_at, *motion));
-  }
-  return result;
-}
-
-Planning::Outcome Planning::outcome(const Problem& problem, std::shared_ptr<const Trail>& trail) {
-  if (problem.halt) return halt(problem);
-  if (problem.catches) return catch_step(problem);
-  if (problem.command.recall == Recall::retrace) return go_back(problem, trail);
-  if (problem.uneven) {
-    Outcome outcome = led(careful_planner_, problem);
-    if (!std::holds_alternative<Refusal>(outcome)) return outcome;
-  }
-  return led(planner_, problem);
-}
-
-Planning::Outcome Planning::led(Planner& planner, const Problem& problem) {
-  if (problem.command.recall == Recall::stop) {
-    if (problem.replaced_at >= 0) return stop(planner, problem);
-    const Command let_go{.guide = problem.command.guide};
-    return resolve(planner, problem, guide_.goals(problem.context, let_go));  // at rest: a foot in the air is put down
-  }
-  Outcome whole = resolve(planner, problem, guide_.goals(problem.context, problem.command));
-  if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<Motion> part = shrunk(planner, problem, std::get<Refusal>(whole));
-  if (!part) return whole;
-  part->limit = std::get<Refusal>(std::move(whole));
-  return *std::move(part);
-}
-
-Planning::Outcome Planning::resolve(Planner& planner, const Problem& problem, GuideResult guided) {
-  if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
-  const auto* goals = std::get_if<std::vector<Goal>>(&guided);
-  if (goals == nullptr) return std::monostate{};
-  return outcome_of(first_of(planner, *goals, problem));
-}
-
-Planning::Outcome Planning::go_back(const Problem& problem, std::shared_ptr<const Trail>& left) {
-  if (!problem.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
-  const Trail& trail = *problem.trail;
-  PlanResult planned = planner_.retrace(trail, problem.context.anchor);
-  if (auto* refusal = std::get_if<Refusal>(&planned)) {
-    if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
-    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, problem.context.anchor, *refusal);
-    if (!part) return std::move(*refusal);
-    left = std::make_shared<const Trail>(trail_to(trail, part->halt));
-    planned = std::move(part->motion);
-  }
-  auto& motion = std::get<Motion>(planned);
-  if (std::optional<Refusal> tips = no_stance(motion, problem)) return *std::move(tips);
-  return std::move(motion);
-}
-
-Planning::Outcome Planning::stop(Planner& planner, const Problem& problem) {
-  GuideResult ways = guide_.stops(problem.context);
-  if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
-  return quickest(planner, std::get<std::vector<Goal>>(ways), problem);
-}
-
-Planning::Outcome Planning::catch_step(const Problem& problem) {
-  const bool falls = problem.beyond > kFalls * robot_->profile().stance.com_height;
-  const GuideResult ways = guide_.catches(problem.context, *problem.catches, falls);
-  const auto* goals = std::get_if<std::vector<Goal>>(&ways);
-  if (goals == nullptr) return std::monostate{};
-  // Until a foot lands, what no ZMP holds grows; there, the foot gains what it went farther.
-  const auto lacks = [&](double t, double gained) { return problem.beyond * std::exp(robot_->omega() * t) - gained; };
-  const Vec2 way = problem.catches->normalized();
-  const Profile::Tick& tick = robot_->profile().tick;
-  double least = problem.lands ? lacks(*problem.lands, problem.gains) : std::numeric_limits<double>::infinity();
-  Outcome best;
-  for (const Goal& goal : *goals) {
-    Outcome outcome = quickest(hasty_planner_, {goal}, problem);
-    const auto* motion = std::get_if<Motion>(&outcome);
-    if (motion == nullptr) continue;
-    const Side side = *goal.swing;
-    const Pose& before = problem.context.step ? problem.context.step->to : problem.context.from.sole[other(side)];
-    const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
-    const double lack = lacks((tick.lookahead + last_phase_of(*motion)) * tick.period, gained);
-    if (lack >= least) continue;
-    least = lack;
-    best = std::move(outcome);
-    if (lack < 0.0) break;
-  }
-  return best;
-}
-
-Planning::Outcome Planning::quickest(Planner& planner, const std::vector<Goal>& goals, const Problem& problem) {
-  std::vector<Posture> starts{problem.start};
-  if (problem.start.flight) {  // the foot may also come down sooner than it was to
-    Flight& flight = *starts.emplace_back(problem.start).flight;
-    const double left = std::max(kLeastFlight, kSooner * flight.left);
-    flight.rise *= left / flight.left;
-    flight.left = left;
-  }
-  std::optional<Motion> best;
-  std::optional<Refusal> against;
-  for (const Goal& goal : goals) {
-    for (const Posture& start : starts) {
-      PlanResult planned = planner.plan(start, goal, problem.context.anchor, DurationRule::search);
-      if (auto* motion = std::get_if<Motion>(&planned)) {
-        if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
-      } else if (!against) {
-        against = std::get<Refusal>(std::move(planned));
-      }
-    }
-  }
-  if (best) return *std::move(best);
-  return *std::move(against);
-}
-
-Planning::Outcome Planning::halt(const Problem& problem) {
-  return outcome_of(planner_.halt(problem.start, *problem.trail, *problem.halt, problem.context.anchor));
-}
-
-std::optional<Motion> Planning::shrunk(Planner& planner, const Problem& problem, const Refusal& against) {
-  const Posture& from = problem.context.from;
-  const Command& command = problem.command;
-  const bool both_stand = from.contact.left && from.contact.right;
-  if (command.recall != Recall::none ||
-      (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
-    return std::nullopt;
-  std::optional<Motion> best;
-  const auto accepted = [&](Outcome outcome) {
-    auto* motion = std::get_if<Motion>(&outcome);
-    const bool better = motion != nullptr && worth(from, *motion);
-    if (better) best = std::move(*motion);
-    return better;
-  };
-  const auto tried = [&](const Command& candidate) {
-    return accepted(resolve(planner, problem, guide_.goals(problem.context, candidate)));
-  };
-  double done = 0.0;
-  double refused = 1.0;
-  for (int k = 0; k < kShrinkings; ++k) {
-    const double share = 0.5 * (done + refused);
-    (tried(guide_.shortened(problem.context, command, share)) ? done : refused) = share;
-  }
-  if (best) return best;
-  // Nowhere along the direction: along the limit then, a foot to the edge of its region, or any part by the axis that
-  // asks for most, or the next.
-  if (is_foot(command.guide)) {
-    const Command within = guide_.within_region(problem.context, command);
-    if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
-    const bool edge = against.reason == Reason::ground;
-    const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
-    if (edge && accepted(resolve(planner, problem, guide_.nearest_step(problem.context, command)))) return best;
-    if ((edge || too_far) && accepted(resolve(planner, problem, guide_.other_foot_first(problem.context, command))))
-      return best;
-  }
-  std::vector<int> axes = guide_.axes_of(command.guide);
-  std::stable_sort(axes.begin(), axes.end(),
-                   [&](int a, int b) { return std::abs(command.axes[a]) > std::abs(command.axes[b]); });
-  axes.resize(std::min(axes.size(), kAxesTried));
-  for (const int axis : axes) {
-    Command one = command;
-    one.axes.setZero();
-    one.axes[axis] = command.axes[axis];
-    if (one.axes[axis] != 0.0 && tried(one)) return best;
-  }
-  return std::nullopt;
-}
-
-bool Planning::worth(const Posture& from, const Motion& motion) const {
-  const Profile::Reach& reach = robot_->profile().reach;
-  const Part part = motion.goal.guided;
-  const auto pose = [&](const Posture& posture) -> Pose {
-    if (is_foot(part)) return posture.sole[side_of(part)];
-    if (is_hand(part)) return posture.hand[side_of(part)];
-    return {posture.com, posture.trunk};
-  };
-  const double size = is_foot(part) ? reach.foot : is_hand(part) ? reach.hand : reach.trunk;
-  const Pose a = pose(from);
-  const Pose b = pose(motion.end);
-  return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
-}
-
-PlanResult Planning::first_of(Planner& planner, const std::vector<Goal>& goals, const Problem& problem) {
-  std::optional<Refusal> against;
-  for (const Goal& goal : goals) {
-    PlanResult planned = planner.plan(problem.start, goal, problem.context.anchor);
-    if (auto* motion = std::get_if<Motion>(&planned)) {
-      std::optional<Refusal> against_it = no_stance(*motion, problem);
-      if (!against_it) against_it = no_landing(*motion, problem.context);
-      if (!against_it) return planned;
-      planned = *std::move(against_it);
-    }
-    if (!against) against = std::get<Refusal>(planned);
-  }
-  return *against;
-}
-
-std::optional<Refusal> Planning::no_stance(const Motion& motion, const Problem& problem) {
-  if (!problem.tilted) return std::nullopt;
-  const Side side = problem.tilted->side;
-  const bool alone = std::any_of(motion.samples.begin(), motion.samples.end(), [side](const MotionSample& sample) {
-    return sample.contact[side] && !sample.contact[other(side)];
-  });
-  if (!alone) return std::nullopt;
-  return Refusal{Reason::inclined_sole, foot(side), problem.tilted->by, kFlat, ""};
-}
-
-std::optional<Refusal> Planning::no_landing(const Motion& motion, const GuideContext& context) {
-  const Posture& end = motion.end;
-  if (end.contact.left && end.contact.right) return std::nullopt;
-  const Side up = end.contact.left ? Side::right : Side::left;
-  GuideContext there{end, context.anchor, context.last_step, context.foothold};
-  there.unsure = context.unsure;
-  GuideResult landings = guide_.landings(there, up);
-  std::optional<Refusal> against;
-  if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
-    for (const Goal& goal : *goals) {
-      PlanResult planned = planner_.plan(end, goal, context.anchor);
-      if (std::holds_alternative<Motion>(planned)) return std::nullopt;
-      if (!against) against = std::get<Refusal>(planned);
-    }
-  } else {
-    against = std::get<Refusal>(landings);
-  }
-  return Refusal{Reason::no_landing, against->part, against->value, against->limit,
-                 std::string(to_string(against->reason))};
-}
 
 Navigator::Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait, StateSource source)
     : robot_(&robot),
@@ -465,7 +182,7 @@ void Navigator::feel_ground() {
   }
 }
 
-std::optional<Problem::Tilted> Navigator::tilted() const {
+std::optional<Request::Tilted> Navigator::tilted() const {
   if (!sample_->contact.left || !sample_->contact.right) return std::nullopt;
   BySide<double> by;
   for (const Side side : kSides) {
@@ -473,8 +190,8 @@ std::optional<Problem::Tilted> Navigator::tilted() const {
     by[side] = odometry_.touch()[side] ? tilt_of(turned) : 0.0;
   }
   const Side side = by.left > by.right ? Side::left : Side::right;
-  if (by[side] <= kFlat) return std::nullopt;
-  return Problem::Tilted{side, by[side]};
+  if (by[side] <= kFlatSole) return std::nullopt;
+  return Request::Tilted{side, by[side]};
 }
 
 void Navigator::settle() {
@@ -486,9 +203,9 @@ void Navigator::settle() {
   anchor_ = anchor_ * Pose{share * slid.p, rotation_z(share * yaw)};
 }
 
-std::optional<Problem> Navigator::request() {
+std::optional<Request> Navigator::request() {
   if (guard_ != Guard::armed || tick_ < 0 || waits_) return std::nullopt;
-  std::optional<Problem> due = this->due();
+  std::optional<Request> due = this->due();
   if (!due) return std::nullopt;
   asked_at_ = tick_;
   stop_pressed_ = false;
@@ -497,7 +214,7 @@ std::optional<Problem> Navigator::request() {
   return asked_;
 }
 
-std::optional<Problem> Navigator::due() const {
+std::optional<Request> Navigator::due() const {
   const int lookahead = robot_->profile().tick.lookahead;
   const bool on_the_way = motion_ && motion_->ticks() - index_ > lookahead;
   // A way back rests where it can once it is let go of, the robot is pushed, or soles slid too far for its margins.
@@ -508,23 +225,23 @@ std::optional<Problem> Navigator::due() const {
   };
   const bool ends_back = on_the_way && motion_->retraces && (command_.neutral() || disturbed_ || slid_too_far());
   const bool stops = command_.recall == Recall::stop || ends_back;
-  const std::optional<Problem::Tilted> tilted = this->tilted();
+  const std::optional<Request::Tilted> tilted = this->tilted();
   const bool leaves_tilted = tilted && motion_ && motion_->goal.swing == other(tilted->side);
-  std::optional<Problem> due;
-  std::optional<Problem> stays;
+  std::optional<Request> due;
+  std::optional<Request> stays;
   // Pushed off its way, or about to be: the motion under way ends at rest, and the robot stays there until it is back.
-  if (disturbed_) due = problem_of_catching();
-  if ((disturbed_ || leaves_tilted) && on_the_way && !stops) stays = problem_of_staying(index_ + lookahead);
+  if (disturbed_) due = request_catching();
+  if ((disturbed_ || leaves_tilted) && on_the_way && !stops) stays = request_staying(index_ + lookahead);
   if (!due) due.swap(stays);
   if (due || (disturbed_ && !stops)) {
     // A step that catches it, a foot that stays down, or nothing.
   } else if (on_the_way) {
-    if (stops) due = problem_of_stopping(index_ + lookahead);
-    if (!stops && replaceable(index_ + lookahead)) due = problem_on_the_way(index_ + lookahead);
+    if (stops) due = request_stopping(index_ + lookahead);
+    if (!stops && replaceable(index_ + lookahead)) due = request_on_the_way(index_ + lookahead);
   } else if (!rest().contact.left || !rest().contact.right) {
-    due = problem(command_);
+    due = request_for(command_);
   } else if (!stops && !command_.neutral()) {
-    due = problem(command_);
+    due = request_for(command_);
   }
   if (!due) return std::nullopt;
   const bool uneven = inclined_ > kUneven;
@@ -532,7 +249,7 @@ std::optional<Problem> Navigator::due() const {
   due->uneven = uneven;
   if (stays) {
     stays->uneven = uneven;
-    due->otherwise = std::make_shared<const Problem>(*std::move(stays));
+    due->otherwise = std::make_shared<const Request>(*std::move(stays));
   }
   // What was refused would be refused again, from the same place.
   const bool same_place = apart(due->context.anchor, refused_at_, sample_->com) < 1e-3;
@@ -550,7 +267,7 @@ bool Navigator::replaceable(int at) const {
   if (gait_ == Gait::stop || motion_->retraces || halts_ || command_.recall != Recall::none || command_.neutral())
     return false;
   const Goal& goal = motion_->goal;
-  const int last_phase = last_phase_of(*motion_);
+  const int last_phase = motion_->last_phase();
   const bool swings = motion_->phases.size() > 1 && goal.swing;
   const bool lands = swings && goal.contact[*goal.swing];
   // A held stick goes on from where a foot has landed; with no foot to land, from halfway through the last phase.
@@ -592,8 +309,8 @@ Pose Navigator::way_back(const GuideContext& context, const Command& command) co
   return back.pose(com);
 }
 
-Problem Navigator::problem(const Command& command) const {
-  Problem due{tick_ + (static_cast<long>(robot_->profile().tick.lookahead) << late_), command, context_at_rest(),
+Request Navigator::request_for(const Command& command) const {
+  Request due{tick_ + (static_cast<long>(robot_->profile().tick.lookahead) << late_), command, context_at_rest(),
               rest(), history_.empty() ? nullptr : history_.back()};
   due.context.back = way_back(due.context, command);
   return due;
@@ -604,15 +321,15 @@ std::optional<Flight> Navigator::flight(int at) const {
   if (sample.contact.left && sample.contact.right) return std::nullopt;
   const double period = robot_->profile().tick.period;
   const Side up = sample.contact.left ? Side::right : Side::left;
-  const int arrives = motion_->goal.contact[up] ? last_phase_of(*motion_) : motion_->ticks();
+  const int arrives = motion_->goal.contact[up] ? motion_->last_phase() : motion_->ticks();
   const double left = std::max((arrives - at) * period, kLeastFlight);
   return Flight{up, motion_->lift_off, left, motion_->apex_t - at * period, motion_->apex};
 }
 
-Problem Navigator::problem_of_replacing(int at) const {
+Request Navigator::request_replacing(int at) const {
   const auto sample = motion_->samples.begin() + at;
   // The motion to a rest on the way back is on no trail.
-  Problem due{tick_ + robot_->profile().tick.lookahead,
+  Request due{tick_ + robot_->profile().tick.lookahead,
               command_,
               context_at_rest(),
               passing(*robot_, *sample),
@@ -634,11 +351,11 @@ std::optional<Halt> Navigator::halt_from(int at) const {
   return *next;
 }
 
-std::optional<Problem> Navigator::problem_of_stopping(int at) const {
+std::optional<Request> Navigator::request_stopping(int at) const {
   if (motion_->retraces) {
     const std::optional<Halt> halt = halt_from(at);
     if (!halt) return std::nullopt;
-    Problem due = problem_of_replacing(at);
+    Request due = request_replacing(at);
     due.command.recall = Recall::stop;
     due.trail = retraced_;
     due.halt = halt;
@@ -648,22 +365,22 @@ std::optional<Problem> Navigator::problem_of_stopping(int at) const {
   if (halts_ || motion_for_.recall == Recall::stop ||
       (again && tick_ < asked_at_ + std::lround(kReplacing / motion_->period)))
     return std::nullopt;
-  return problem_of_ending(at);
+  return request_ending(at);
 }
 
-std::optional<Problem> Navigator::problem_of_staying(int at) const {
+std::optional<Request> Navigator::request_staying(int at) const {
   const bool lifts = motion_->goal.swing && motion_->phases.size() > 1 && at < motion_->phases.front().ticks;
   if (!lifts || motion_->retraces || catches_) return std::nullopt;
-  Problem due = problem_of_ending(at);
+  Request due = request_ending(at);
   due.command.recall = Recall::stop;
   return due;
 }
 
-Problem Navigator::problem_of_ending(int at) const {
-  Problem due = problem_of_replacing(at);
+Request Navigator::request_ending(int at) const {
+  Request due = request_replacing(at);
   due.start.flight = flight(at);
   const Goal& goal = motion_->goal;
-  if (goal.swing && at < last_phase_of(*motion_)) {  // the step is not done
+  if (goal.swing && at < motion_->last_phase()) {  // the step is not done
     due.context.last_step = base_.last_step;
     due.context.foothold = base_.foothold;
   }
@@ -675,7 +392,7 @@ Problem Navigator::problem_of_ending(int at) const {
   return due;
 }
 
-std::optional<Problem> Navigator::problem_of_catching() const {
+std::optional<Request> Navigator::request_catching() const {
   const Vec2 error = (anchor_.R.transpose() * Vec3(dcm_error_.x(), dcm_error_.y(), 0)).head<2>();
   // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
   const double size = error.norm();
@@ -688,15 +405,15 @@ std::optional<Problem> Navigator::problem_of_catching() const {
   if (lacks > 0.0) room = std::clamp(along(correction().zmp - sample_->zmp) - lacks, 0.0, room);
   if (sample_->zmp_region->margin(holds) >= 0.0 && room >= size) return std::nullopt;
   const int lookahead = profile.tick.lookahead;
-  Problem due = problem(Command{.guide = command_.guide});
+  Request due = request_for(Command{.guide = command_.guide});
   std::optional<Vec2> catching;  // such a step is under way, and is so much longer for it
   double lands = profile.phases.flow[1] * profile.duration.first;
   if (due.start.contact.left && due.start.contact.right) lands += profile.phases.flow[0] * profile.duration.first;
   if (motion_) {
     const int at = index_ + lookahead;
     if (motion_->retraces || at >= motion_->ticks()) return std::nullopt;
-    catching = at < last_phase_of(*motion_) ? catches_ : std::nullopt;
-    due = problem_of_ending(at);
+    catching = at < motion_->last_phase() ? catches_ : std::nullopt;
+    due = request_ending(at);
     due.command = Command{.guide = command_.guide};
     const Goal& goal = motion_->goal;
     const int lift_off = motion_->phases.front().ticks;
@@ -723,13 +440,13 @@ std::optional<Problem> Navigator::problem_of_catching() const {
   return due;
 }
 
-Problem Navigator::problem_on_the_way(int at) const {
+Request Navigator::request_on_the_way(int at) const {
   const Goal& goal = motion_->goal;
   const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
   const double period = robot_->profile().tick.period;
-  const int last_phase = last_phase_of(*motion_);
+  const int last_phase = motion_->last_phase();
   const bool both_end = goal.contact.left && goal.contact.right;
-  Problem due = problem_of_replacing(at);
+  Request due = request_replacing(at);
   Posture& start = due.start;
   Posture& from = due.context.from;
   const Part guided = command_.guide;
@@ -771,7 +488,7 @@ Problem Navigator::problem_on_the_way(int at) const {
   return due;
 }
 
-void Navigator::offer(PlanningResult result) {
+void Navigator::offer(Answer result) {
   if (!waits_ || result.take_over != asked_->take_over || result.take_over <= tick_) return;
   offered_ = std::move(result);
   answered_ = true;
@@ -807,7 +524,7 @@ bool Navigator::take_over() {
   // At rest nothing is lost by waiting longer for the next answer.
   late_ = answered ? 0 : std::min(late_ + (motion_ ? 0 : 1), kMostLate);
   if (!answered || guard_ != Guard::armed) return false;
-  PlanningResult& result = *offered_;
+  Answer& result = *offered_;
   const bool stops = result.command.recall == Recall::stop;
   const bool urgent = stops || result.catches.has_value();
   if (disturbed_ && !urgent) return false;  // pushed meanwhile
@@ -841,7 +558,7 @@ bool Navigator::take_over() {
   return false;
 }
 
-void Navigator::commit(PlanningResult& result) {
+void Navigator::commit(Answer& result) {
   auto& motion = std::get<Motion>(result.outcome);
   halts_ = motion_ && motion_->retraces;
   if (motion.retraces) {
@@ -913,7 +630,7 @@ bool Navigator::stands_upright() const {
   bool stands = tilt_of(state_->trunk) < profile.region.trunk_inclination &&
                 state_->dcom.norm() < kStillSpeed * profile.stance.com_height;
   for (const Side side : kSides)
-    stands = stands && odometry_.load()[side] > kEachCarries * weight && tilt_of(state_->sole[side].R) < kFlat;
+    stands = stands && odometry_.load()[side] > kEachCarries * weight && tilt_of(state_->sole[side].R) < kFlatSole;
   return stands;
 }
 

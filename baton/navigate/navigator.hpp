@@ -6,115 +6,10 @@
 
 #include "baton/balance/odometry.hpp"
 #include "baton/balance/stabiliser.hpp"
-#include "baton/guide/guide.hpp"
-#include "baton/plan/planner.hpp"
+#include "baton/plan/modes.hpp"
+#include "baton/plan/request.hpp"
 
 namespace baton {
-
-/// What happens to a goal that cannot be verified.
-enum class OnLimit {
-  discard,  ///< the command is refused
-  shrink,   ///< the goal comes nearer, along its direction, until it can
-};
-
-/// When the committed motion may be replaced.
-enum class Gait {
-  stop,  ///< when it has come to rest
-  flow,  ///< on its way, from where it is then, moving
-};
-
-struct Modes {
-  DurationRule duration = DurationRule::paper;
-  OnLimit on_limit = OnLimit::shrink;
-  Gait gait = Gait::flow;
-};
-
-/// A planning task: everything that the answer depends on.
-struct Problem {
-  long take_over = 0;  ///< tick at which the answer would begin
-  Command command;
-  GuideContext context;
-  Posture start;  ///< planned posture at the take-over, in the planning frame; may be moving
-  /// From rest, what was executed last, to be retraced next; on the way, what the motion to be replaced belongs to, or
-  /// retraces. Null: there is none.
-  std::shared_ptr<const Trail> trail{};
-  int replaced_at{-1};         ///< sample of the motion under way at which it is replaced; −1: from rest
-  std::optional<Halt> halt{};  ///< a rest on the trail, to stop at on the way back
-  /// It is pushed and a step is to catch it: how much farther than planned the foot should land [m].
-  std::optional<Vec2> catches{};
-  /// Then: how much farther off the DCM is than a ZMP can hold [m]; and when a foot that is in the air already lands,
-  /// from now on [s], so much farther than was planned for it before it was to catch the robot [m].
-  double beyond{0.0};
-  std::optional<double> lands{};
-  double gains{0.0};
-  /// A sole that stands tilted from where it was to, more than the other; it may step, but not carry the robot alone.
-  struct Tilted {
-    Side side = Side::left;
-    double by = 0.0;  ///< [rad]
-  };
-  std::optional<Tilted> tilted{};
-  bool uneven = false;  ///< soles stood inclined of late: the planned ZMP keeps farther inside, where it can
-  std::shared_ptr<const Problem> otherwise{};  ///< the task instead, where no step catches the robot
-};
-
-/// The answer: nothing was asked for, a verified motion, or why there is none.
-struct PlanningResult {
-  long take_over = 0;
-  Command command;
-  GuideContext context;
-  std::variant<std::monostate, Motion, Refusal> outcome;
-  /// With a motion: what it belongs to from then on, or retraces; with a part of a way back, what is left of that.
-  std::shared_ptr<const Trail> trail;
-  std::optional<Vec2> catches{};  ///< as in the problem
-};
-
-/// Problem → result. Pure and slow; may live on a thread of its own.
-class Planning {
- public:
-  /// Robot and world must outlive the object.
-  Planning(const RobotModel& robot, const World& world, Modes modes = {});
-  [[nodiscard]] PlanningResult plan(const Problem& problem);
-
- private:
-  using Outcome = std::variant<std::monostate, Motion, Refusal>;
-
-  /// @param trail what the motion belongs to or retraces; of a part of a way back, what is left of it afterwards
-  [[nodiscard]] Outcome outcome(const Problem& problem, std::shared_ptr<const Trail>& trail);
-  /// What the command asks for, or a part of it.
-  [[nodiscard]] Outcome led(Planner& planner, const Problem& problem);
-  /// The first goal that has a verified motion.
-  [[nodiscard]] Outcome resolve(Planner& planner, const Problem& problem, GuideResult guided);
-  /// The way back, or the part of it that can be taken; `left` is then what is left of the trail.
-  [[nodiscard]] Outcome go_back(const Problem& problem, std::shared_ptr<const Trail>& left);
-  /// The quickest of the ways to rest.
-  [[nodiscard]] Outcome stop(Planner& planner, const Problem& problem);
-  /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
-  [[nodiscard]] Outcome catch_step(const Problem& problem);
-  /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
-  [[nodiscard]] Outcome quickest(Planner& planner, const std::vector<Goal>& goals, const Problem& problem);
-  /// To rest at a rest on the trail.
-  [[nodiscard]] Outcome halt(const Problem& problem);
-  /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
-  /// @param against what speaks against the whole
-  [[nodiscard]] std::optional<Motion> shrunk(Planner& planner, const Problem& problem, const Refusal& against);
-  /// Whether the guided part comes anywhere by it.
-  [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
-  /// The first of these goals that has a verified motion; else what speaks against the first.
-  [[nodiscard]] PlanResult first_of(Planner& planner, const std::vector<Goal>& goals, const Problem& problem);
-  /// What speaks against lifting a foot, while the other stands on an edge.
-  [[nodiscard]] static std::optional<Refusal> no_stance(const Motion& motion, const Problem& problem);
-  /// What speaks against putting down, from there, a foot that `motion` leaves in the air; none: it can be put down.
-  [[nodiscard]] std::optional<Refusal> no_landing(const Motion& motion, const GuideContext& context);
-
-  const RobotModel* robot_;
-  Modes modes_;
-  Guide guide_;
-  Planner planner_;
-  RobotModel careful_;  ///< the robot on ground that is not what the map says
-  Planner careful_planner_;
-  RobotModel hasty_;  ///< the robot with margins for when all that matters is not to fall
-  Planner hasty_planner_;
-};
 
 /// Whether the robot may be moved. It sees for itself that it falls or is lifted off the ground.
 enum class Guard {
@@ -164,13 +59,13 @@ class Navigator {
   /// the stick asks for something else, or to stop; at rest when the operator asks for something new, every 50 ms at
   /// most while that is refused. To be answered by `offer`, before the take-over or else in vain. Called after `poll`,
   /// whenever the planner is free; a call that returns nothing changes nothing.
-  [[nodiscard]] std::optional<Problem> request();
+  [[nodiscard]] std::optional<Request> request();
 
   /// The task that this command would be now, from where the robot rests next. Not before the first tick.
-  [[nodiscard]] Problem problem(const Command& command) const;
+  [[nodiscard]] Request request_for(const Command& command) const;
 
   /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
-  void offer(PlanningResult result);
+  void offer(Answer result);
 
   /// Clears the plan, as after a fall: nothing planned may be executed then, and the motors go soft.
   void fall();
@@ -230,7 +125,7 @@ class Navigator {
   /// How far the standing soles are from where they were planned, as one move of the planning frame.
   [[nodiscard]] Pose slid() const;
   /// The sole that stands on an edge, or on what the map does not know, while both feet are to stand.
-  [[nodiscard]] std::optional<Problem::Tilted> tilted() const;
+  [[nodiscard]] std::optional<Request::Tilted> tilted() const;
   /// How far soles stand inclined from where they were to.
   void feel_ground();
   /// At rest and on the way back: lays the planning frame on where the soles are, little by little.
@@ -241,7 +136,7 @@ class Navigator {
   /// Commits the answer that is due at this tick, or drops it. @returns whether a motion was committed
   bool take_over();
   /// Swaps the motion in: what it replaces is left in `result`.
-  void commit(PlanningResult& result);
+  void commit(Answer& result);
   /// Keeps no more of what was executed than there is room for.
   void forget();
   void drop_refusal();
@@ -252,23 +147,23 @@ class Navigator {
   /// Whether the motion under way is to be replaced at its sample `at`.
   [[nodiscard]] bool replaceable(int at) const;
   /// What all tasks of replacing it there have in common.
-  [[nodiscard]] Problem problem_of_replacing(int at) const;
+  [[nodiscard]] Request request_replacing(int at) const;
   /// The task of replacing it there by what the stick asks for.
-  [[nodiscard]] Problem problem_on_the_way(int at) const;
+  [[nodiscard]] Request request_on_the_way(int at) const;
   /// The foot that is in the air there, if one is.
   [[nodiscard]] std::optional<Flight> flight(int at) const;
   /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
   [[nodiscard]] std::optional<Halt> halt_from(int at) const;
   /// The task of coming to rest from there, if there is one.
-  [[nodiscard]] std::optional<Problem> problem_of_stopping(int at) const;
+  [[nodiscard]] std::optional<Request> request_stopping(int at) const;
   /// Before the foot leaves the ground, which is not to be while the robot is off its way: rest, with both feet down.
-  [[nodiscard]] std::optional<Problem> problem_of_staying(int at) const;
+  [[nodiscard]] std::optional<Request> request_staying(int at) const;
   /// From there, moving, to anything that ends what is under way: a foot in the air can only land.
-  [[nodiscard]] Problem problem_of_ending(int at) const;
+  [[nodiscard]] Request request_ending(int at) const;
   /// The task that is due now, if one is.
-  [[nodiscard]] std::optional<Problem> due() const;
+  [[nodiscard]] std::optional<Request> due() const;
   /// A step that takes the robot's feet to where the DCM goes, if no shift of the ZMP can hold it.
-  [[nodiscard]] std::optional<Problem> problem_of_catching() const;
+  [[nodiscard]] std::optional<Request> request_catching() const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
   /// How far off the robot's place is taken to be: no more than leaves steps past edges [m].
@@ -303,23 +198,23 @@ class Navigator {
   Vec2 dcm_error_ = Vec2::Zero();
   bool disturbed_ = false;       ///< the DCM is too far from where it should be for anything new
   bool slipped_ = false;         ///< soles stand too far from where they were planned for the way back to be kept
-  std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Problem::catches
+  std::optional<Vec2> catches_;  ///< the motion under way, or the last, is to catch the robot: Request::catches
   long caught_ = 0;              ///< motions of that kind so far
   long slips_ = 0;
   double last_slip_ = 0.0;
 
-  long committed_ = 0;                     ///< motions so far
-  Side last_step_ = Side::right;           ///< before the motion under way
-  BySide<Pose> foothold_;                  ///< the same
-  GuideContext base_;                      ///< what the goal of the motion under way was relative to
-  Command motion_for_;                     ///< what the motion under way was made for
-  Command asked_for_;                      ///< what was asked for last since it began
-  long asked_at_ = 0;                      ///< tick of the last request
-  std::optional<Problem> asked_;           ///< the request under way
-  bool waits_ = false;                     ///< for its answer
-  bool stop_pressed_ = false;              ///< a stop was pressed since the newest request
-  std::optional<PlanningResult> offered_;  ///< the newest answer, to be taken over, or what that left
-  bool answered_ = false;                  ///< it is to be taken over
+  long committed_ = 0;             ///< motions so far
+  Side last_step_ = Side::right;   ///< before the motion under way
+  BySide<Pose> foothold_;          ///< the same
+  GuideContext base_;              ///< what the goal of the motion under way was relative to
+  Command motion_for_;             ///< what the motion under way was made for
+  Command asked_for_;              ///< what was asked for last since it began
+  long asked_at_ = 0;              ///< tick of the last request
+  std::optional<Request> asked_;   ///< the request under way
+  bool waits_ = false;             ///< for its answer
+  bool stop_pressed_ = false;      ///< a stop was pressed since the newest request
+  std::optional<Answer> offered_;  ///< the newest answer, to be taken over, or what that left
+  bool answered_ = false;          ///< it is to be taken over
   // The tick frees no memory: what is over is kept until the next `poll`.
   std::optional<Motion> past_motion_;
   std::optional<Refusal> past_refusal_;

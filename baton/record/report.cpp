@@ -200,7 +200,7 @@ void Report::track(const TickRecord& record) {
 void Report::add(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
   plan_.add(record.plan_us);
-  planned_by_ = record.problem.command.recall == Recall::none ? command_ : -1;
+  planned_by_ = record.request.command.recall == Recall::none ? command_ : -1;
 }
 
 nlohmann::json Report::json(const std::string& world, const std::string& on, long seed, double wall) {

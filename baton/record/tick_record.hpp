@@ -19,8 +19,8 @@ struct TickRecord {
 /// One answer of the planner.
 struct PlanRecord {
   double t = 0.0;  ///< when it was asked for [s]
-  const Problem& problem;
-  const PlanningResult& result;
+  const Request& request;
+  const Answer& result;
   double plan_us = 0.0;  ///< thread CPU time [µs]
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <baton/ik/stand.hpp>
 #include <baton/navigate/navigator.hpp>
+#include <baton/plan/strategy.hpp>
 #include <cstdio>
 
 using namespace baton;
@@ -12,7 +13,7 @@ int main() {
   const World world = World::load(SHARE "/worlds/flat.xml");
   const Posture start = stand(robot, world.site("start"), robot.profile().stance.com_height);
   Navigator navigator(robot, world, start, Gait::flow, StateSource::perfect);
-  Planning planning(robot, world);
+  Strategy planning(robot, world);
 
   const double h = 0.001;  // of physics [s]
   const double period = robot.profile().tick.period;
@@ -47,7 +48,7 @@ int main() {
     }
     // After the targets are out: planning, here in the same thread; a program may use another.
     navigator.poll();
-    if (const auto problem = navigator.request()) navigator.offer(planning.plan(*problem));
+    if (const auto request = navigator.request()) navigator.offer(planning.plan(*request));
   }
   const double forward = body->qpos[0] - start.q[0];
   std::printf("%ld segments, %.3f m forward\n", navigator.committed(), forward);

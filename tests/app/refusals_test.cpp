@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "baton/ik/stand.hpp"
+#include "baton/plan/strategy.hpp"
 #include "baton/robot/ideal_robot.hpp"
 #include "tests/support/robots.hpp"
 
@@ -38,9 +39,9 @@ class RefusalsTest : public testing::Test {
  private:
   void step(const Command& command) {
     body_.write(navigator_.tick(body_.read(), command));
-    if (const std::optional<Problem> problem = navigator_.request()) {
-      PlanningResult result = planning_.plan(*problem);
-      if (refuses_ways_back_ && problem->command.recall != Recall::none)
+    if (const std::optional<Request> request = navigator_.request()) {
+      Answer result = planning_.plan(*request);
+      if (refuses_ways_back_ && request->command.recall != Recall::none)
         result.outcome = Refusal{Reason::self_collision, Part::left_hand, 0.001, 0.002, "arm and trunk"};
       navigator_.offer(std::move(result));
     }
@@ -54,7 +55,7 @@ class RefusalsTest : public testing::Test {
   const Modes modes_{.on_limit = OnLimit::discard, .gait = Gait::stop};
   IdealRobot body_{robot_, start_, period_};
   Navigator navigator_{robot_, world_, start_, modes_.gait};
-  Planning planning_{robot_, world_, modes_};
+  Strategy planning_{robot_, world_, modes_};
 };
 
 TEST_F(RefusalsTest, APartThatIsRefusedThreeTimesInARowIsStuckUntilAnythingMoves) {

@@ -198,21 +198,21 @@ TEST_F(Replay, WhatItReadsWrongIsOneLineAndExitCodeTwo) {
 TEST(PlanningThread, AnswersAsPlanningDoes) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
-  Planning planning(robot, world);
-  Problem problem;
-  problem.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  problem.context.foothold = problem.context.from.sole;
-  problem.start = problem.context.from;
+  Strategy planning(robot, world);
+  Request request;
+  request.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
+  request.context.foothold = request.context.from.sole;
+  request.start = request.context.from;
   app::PlanningThread thread(robot, world, {});
   for (const double x : {1.0, -0.5, 0.0, 0.3}) {
-    problem.command.axes[0] = x;
+    request.command.axes[0] = x;
     ASSERT_TRUE(thread.idle());
     EXPECT_FALSE(thread.poll().has_value());
-    thread.post(problem);
-    std::optional<app::PlanningThread::Answer> answer;
+    thread.post(request);
+    std::optional<app::PlanningThread::Reply> answer;
     while (!(answer = thread.poll()))
       std::this_thread::yield();
-    const PlanningResult expected = planning.plan(problem);
+    const Answer expected = planning.plan(request);
     ASSERT_EQ(answer->result.outcome.index(), expected.outcome.index());
     if (const auto* motion = std::get_if<Motion>(&expected.outcome)) {
       const Motion& other = std::get<Motion>(answer->result.outcome);
@@ -220,7 +220,7 @@ TEST(PlanningThread, AnswersAsPlanningDoes) {
       EXPECT_EQ(other.end.q, motion->end.q);
     }
   }
-  thread.post(problem);  // and it ends well with a problem in hand
+  thread.post(request);  // and it ends well with a request in hand
 }
 
 }  // namespace

@@ -286,17 +286,17 @@ TEST(Soak, AWayBackThatIsRefusedIsAFailure) {
 TEST(Soak, KnowsWhenNothingGoesAnyMore) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
-  Planning planning(robot, world, {DurationRule::paper, OnLimit::discard});
-  Problem problem;
-  GuideContext& context = problem.context;
+  Strategy planning(robot, world, {DurationRule::paper, OnLimit::discard});
+  Request request;
+  GuideContext& context = request.context;
   context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
   context.foothold = context.from.sole;
-  problem.start = context.from;
-  EXPECT_FALSE(stuck(planning, problem));
+  request.start = context.from;
+  EXPECT_FALSE(stuck(planning, request));
   const int elbow = robot.arm(Side::left).back();
   context.from.q[7 + elbow] = robot.joints()[static_cast<std::size_t>(elbow)].position.hi + 0.1;
-  problem.start = context.from;
-  EXPECT_TRUE(stuck(planning, problem));
+  request.start = context.from;
+  EXPECT_TRUE(stuck(planning, request));
 }
 
 TEST(Soak, BadInputIsOneClearLine) {

@@ -7,6 +7,7 @@
 
 #include "baton/ik/stand.hpp"
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 #include "baton/robot/simulated_robot.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/temp.hpp"
@@ -38,7 +39,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
   const Posture start = stand(robot, map.site("start"), robot.profile().stance.com_height);
   SimulatedRobot body(robot, world, start, robot.profile().tick.period);
   Navigator navigator(robot, map, start);
-  Planning planning(robot, map);
+  Strategy planning(robot, map);
   Kinematics truth(robot);
   Command command;
   double ahead = 1.0;
@@ -54,7 +55,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
     }
     body.write(navigator.tick(body.read(), command));
     navigator.poll();
-    if (const auto problem = navigator.request()) navigator.offer(planning.plan(*problem));
+    if (const auto request = navigator.request()) navigator.offer(planning.plan(*request));
     if (body.truth().fallen) {
       ADD_FAILURE() << body.truth().fall << " at " << body.truth().t;
       break;

@@ -12,6 +12,7 @@
 #include "app/stick.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 #include "baton/record/recording.hpp"
 #include "baton/robot/ideal_robot.hpp"
 #include "baton/verify/verifier.hpp"
@@ -82,23 +83,23 @@ class FuzzedRun {
   /// Lives through the run again: the same requests must be made, and the same joint targets given, bit by bit.
   void replay() {
     Navigator again(robot_, world_, home_, modes_.gait, source_);
-    Planning planning(robot_, world_, modes_);
+    Strategy planning(robot_, world_, modes_);
     for (const Tick& tick : ticks_) {
       if (tick.fall) again.fall();
       ASSERT_EQ(checksum(again.tick(tick.measurement, tick.command)), tick.checksum) << "tick " << again.now();
       again.poll();
       for (const Event& event : tick.events) {
-        const PlanningResult& known = answers_[static_cast<std::size_t>(event.answer)];
+        const Answer& known = answers_[static_cast<std::size_t>(event.answer)];
         if (event.kind == PlanningEvent::offer) {
           again.offer(known);
           continue;
         }
-        const std::optional<Problem> problem = again.request();
-        ASSERT_TRUE(problem) << "tick " << again.now() << ": nothing is asked";
-        ASSERT_EQ(problem->take_over, known.take_over);
+        const std::optional<Request> request = again.request();
+        ASSERT_TRUE(request) << "tick " << again.now() << ": nothing is asked";
+        ASSERT_EQ(request->take_over, known.take_over);
         const auto* motion = std::get_if<Motion>(&known.outcome);
         if (motion == nullptr || event.answer % 4 != 0) continue;
-        const PlanningResult planned = planning.plan(*problem);
+        const Answer planned = planning.plan(*request);
         ASSERT_TRUE(std::holds_alternative<Motion>(planned.outcome)) << "tick " << again.now();
         ASSERT_EQ(std::get<Motion>(planned.outcome).end.q, motion->end.q);
       }
@@ -243,20 +244,20 @@ class FuzzedRun {
   }
 
   void ask(Tick& tick, bool at_random) {
-    const std::optional<Problem> problem = navigator_.request();
-    if (!problem) return;
+    const std::optional<Request> request = navigator_.request();
+    if (!request) return;
     EXPECT_EQ(navigator_.guard(), Guard::armed);
     stopped_since_ask_ = false;
     const auto number = static_cast<int>(answers_.size());
     tick.events.push_back({PlanningEvent::ask, number});
-    PlanningResult answer = planning_.plan(*problem);
+    Answer answer = planning_.plan(*request);
     const int fate = at_random ? dice_.below(100) : 0;
     if (fate >= 92) {
       answer.outcome = Refusal{Reason::no_progress, Part::trunk, 0, 0, "made up"};
       ++tally_.refused;
     }
     answers_.push_back(std::move(answer));
-    halts_.push_back(problem->halt.has_value());
+    halts_.push_back(request->halt.has_value());
     // In time, late, or never.
     if (fate < 85 || fate >= 92) sent_.push_back({number, navigator_.now() + (fate >= 60 ? dice_.below(60) : 0)});
     deliver(tick);
@@ -339,8 +340,8 @@ class FuzzedRun {
     if (navigator_.committed() == before.committed) return;
     ASSERT_EQ(navigator_.committed(), before.committed + 1) << k;
     ASSERT_EQ(guard, Guard::armed) << k;
-    const auto answer = std::find_if(answers_.rbegin(), answers_.rend(),
-                                     [&](const PlanningResult& result) { return result.take_over == k; });
+    const auto answer =
+        std::find_if(answers_.rbegin(), answers_.rend(), [&](const Answer& result) { return result.take_over == k; });
     ASSERT_NE(answer, answers_.rend()) << k << ": nothing was planned for this tick";
     const auto number = static_cast<std::size_t>(std::distance(answer, answers_.rend())) - 1;
     const bool stops = answer->command.recall == Recall::stop || halts_[number];
@@ -370,11 +371,11 @@ class FuzzedRun {
   StateSource source_;
   Posture home_;
   Navigator navigator_;
-  Planning planning_;
+  Strategy planning_;
   Verifier verifier_;
   IdealRobot body_;
   std::vector<Tick> ticks_;
-  std::vector<PlanningResult> answers_;
+  std::vector<Answer> answers_;
   std::vector<bool> halts_;  ///< of each answer: it comes to rest on a way back
   std::vector<Sent> sent_;
   Trouble trouble_ = Trouble::none;

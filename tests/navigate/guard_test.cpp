@@ -20,7 +20,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
       const JointTarget& target = trip_.navigator().tick(measurement, command);
       soft_ = target.tau.isZero(0.0) && target.dq.isZero(0.0) && target.q == measurement.q;
       trip_.navigator().poll();
-      if (const auto problem = trip_.navigator().request()) trip_.navigator().offer(trip_.planning().plan(*problem));
+      if (const auto request = trip_.navigator().request()) trip_.navigator().offer(trip_.planning().plan(*request));
     }
   }
   void tick(double seconds, const Command& command) {
@@ -123,10 +123,10 @@ TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
   Navigator& navigator = trip_.navigator();
   navigator.tick(trip_.body().read(), forward());
   navigator.poll();
-  const std::optional<Problem> problem = navigator.request();
-  ASSERT_TRUE(problem);
-  navigator.offer(trip_.planning().plan(*problem));
-  while (navigator.now() < problem->take_over) {
+  const std::optional<Request> request = navigator.request();
+  ASSERT_TRUE(request);
+  navigator.offer(trip_.planning().plan(*request));
+  while (navigator.now() < request->take_over) {
     Measurement measurement = trip_.body().read();
     pushed()(measurement);
     navigator.tick(measurement, forward());
@@ -152,10 +152,10 @@ TEST_P(GuardTest, AWayBackThatASlipEndsWhileItIsPlannedIsNotTaken) {
   back.recall = Recall::retrace;
   navigator.tick(trip.body().read(), back);
   navigator.poll();
-  const std::optional<Problem> problem = navigator.request();
-  ASSERT_TRUE(problem);
-  navigator.offer(trip.planning().plan(*problem));
-  while (navigator.now() <= problem->take_over) {
+  const std::optional<Request> request = navigator.request();
+  ASSERT_TRUE(request);
+  navigator.offer(trip.planning().plan(*request));
+  while (navigator.now() <= request->take_over) {
     Measurement measurement = trip.body().read();
     measurement.root->pose.p.x() += 0.4 * robot_.profile().reach.foot;
     navigator.tick(measurement, back);
@@ -173,14 +173,14 @@ TEST_P(GuardTest, NothingBeginsThatWasAskedForBeforeAStop) {
     const long before = navigator.committed();
     navigator.tick(trip_.body().read(), forward());
     navigator.poll();
-    const std::optional<Problem> problem = navigator.request();
-    ASSERT_TRUE(problem);
-    navigator.offer(trip_.planning().plan(*problem));
+    const std::optional<Request> request = navigator.request();
+    ASSERT_TRUE(request);
+    navigator.offer(trip_.planning().plan(*request));
     Command stop;
     stop.recall = Recall::stop;
     navigator.tick(trip_.body().read(), stop);
     navigator.poll();
-    while (navigator.now() < problem->take_over)
+    while (navigator.now() < request->take_over)
       navigator.tick(trip_.body().read(), tapped ? forward() : stop);
     EXPECT_EQ(navigator.committed(), before);
   }

@@ -1,4 +1,5 @@
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -94,17 +95,17 @@ TEST_P(NavigatorTest, ASwitchOfTheGuidedPartTakesEffectAtTheNextInstantWithoutAP
 
 TEST_P(NavigatorTest, AnAnswerIsTakenOverAtItsTickOrDropped) {
   Trip run(robot_);
-  std::optional<Problem> problem;
-  for (int k = 0; k < 3 && !problem; ++k) {
+  std::optional<Request> request;
+  for (int k = 0; k < 3 && !request; ++k) {
     run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
-    problem = run.navigator().request();
+    request = run.navigator().request();
   }
-  ASSERT_TRUE(problem.has_value());
-  EXPECT_EQ(problem->take_over, run.navigator().now() + robot_.profile().tick.lookahead);
-  PlanningResult late = run.planning().plan(*problem);
+  ASSERT_TRUE(request.has_value());
+  EXPECT_EQ(request->take_over, run.navigator().now() + robot_.profile().tick.lookahead);
+  Answer late = run.planning().plan(*request);
   EXPECT_FALSE(run.navigator().request().has_value()) << "one request at a time";
   // It is not there at its tick: the robot goes on resting, and asks again.
-  while (run.navigator().now() < problem->take_over) {
+  while (run.navigator().now() < request->take_over) {
     run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
   }
   EXPECT_EQ(run.navigator().phase(), Phase::hold);
@@ -264,13 +265,13 @@ TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
     slid.root->pose.p.x() += share * robot_.profile().reach.foot;
     run.navigator().tick(slid, back);
     run.navigator().poll();
-    const std::optional<Problem> problem = run.navigator().request();
-    ASSERT_TRUE(problem.has_value());
-    EXPECT_EQ(problem->trail != nullptr, share < 0.2);
+    const std::optional<Request> request = run.navigator().request();
+    ASSERT_TRUE(request.has_value());
+    EXPECT_EQ(request->trail != nullptr, share < 0.2);
     EXPECT_EQ(run.navigator().history(), share < 0.2 ? 3u : 0u);
     EXPECT_EQ(run.navigator().slips(), share < 0.2 ? 0 : 1);
     // In vain: the answer is withheld until its tick has passed.
-    while (run.navigator().now() <= problem->take_over)
+    while (run.navigator().now() <= request->take_over)
       run.navigator().tick(slid, {});
   }
 }
@@ -286,7 +287,7 @@ TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAl
   int flights = 0;
   while (odometry.uncertainty() < past_an_edge) {
     run.step(push(Part::trunk, 0));
-    const double unsure = run.navigator().problem({}).context.unsure;
+    const double unsure = run.navigator().request_for({}).context.unsure;
     const BySide<bool>& stands = run.navigator().sample().contact;
     if (stands.left && stands.right) {
       ASSERT_EQ(unsure, std::min(odometry.uncertainty(), 0.7 * past_an_edge));
@@ -302,7 +303,7 @@ TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAl
   Trip perfect(robot_, {}, "flat", StateSource::perfect);
   for (int k = 0; k < 1000; ++k)
     perfect.step(push(Part::trunk, 0));
-  EXPECT_EQ(perfect.navigator().problem({}).context.unsure, 0.0);
+  EXPECT_EQ(perfect.navigator().request_for({}).context.unsure, 0.0);
 }
 
 TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
@@ -310,7 +311,7 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
   Trip run(robot_, {.gait = Gait::stop}, "flat", StateSource::perfect);
   run.step({});
   const World flat = World::load("flat");
-  Planning planning(robot_, flat);
+  Strategy planning(robot_, flat);
   for (const Side tilted : kSides) {
     for (const double angle : {0.05, 0.12}) {
       Measurement measurement = run.body().read();
@@ -319,10 +320,10 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
         Navigator navigator(robot_, flat, run.home(), Gait::stop, StateSource::perfect);
         const Command step = push(foot(lifted), 0, 0.5);
         navigator.tick(measurement, step);
-        const std::optional<Problem> problem = navigator.request();
-        ASSERT_TRUE(problem.has_value());
-        EXPECT_EQ(problem->tilted.has_value(), angle > 0.1);
-        const PlanningResult result = planning.plan(*problem);
+        const std::optional<Request> request = navigator.request();
+        ASSERT_TRUE(request.has_value());
+        EXPECT_EQ(request->tilted.has_value(), angle > 0.1);
+        const Answer result = planning.plan(*request);
         const auto* refusal = std::get_if<Refusal>(&result.outcome);
         const bool refused = angle > 0.1 && lifted != tilted;
         ASSERT_EQ(refusal != nullptr, refused) << (refusal != nullptr ? to_string(refusal->reason) : "");
@@ -345,9 +346,9 @@ TEST_P(NavigatorTest, WhereASoleStoodInclinedTheGroundCountsAsUnevenForAWhile) {
     for (double t = 0.0; t < seconds; t += robot_.profile().tick.period)
       navigator.tick(run.body().read(), {});
     navigator.tick(run.body().read(), push(Part::trunk, 0));
-    const std::optional<Problem> problem = navigator.request();
-    EXPECT_TRUE(problem.has_value());
-    return problem && problem->uneven;
+    const std::optional<Request> request = navigator.request();
+    EXPECT_TRUE(request.has_value());
+    return request && request->uneven;
   };
   run.step({});
   EXPECT_FALSE(uneven_after(0.01, 0.0));
@@ -378,10 +379,10 @@ TEST_P(NavigatorTest, OnUnevenGroundTheZmpKeepsFartherInsideWhereItCan) {
       run.step(command);
     for (int k = 0; k < 4000 && run.navigator().motion() != nullptr; ++k)
       run.step({});
-    Problem problem = run.navigator().problem(anything(random));
-    const PlanningResult on_even = run.planning().plan(problem);
-    problem.uneven = true;
-    const PlanningResult on_uneven = run.planning().plan(problem);
+    Request request = run.navigator().request_for(anything(random));
+    const Answer on_even = run.planning().plan(request);
+    request.uneven = true;
+    const Answer on_uneven = run.planning().plan(request);
     const auto* even = std::get_if<Motion>(&on_even.outcome);
     const auto* uneven = std::get_if<Motion>(&on_uneven.outcome);
     ASSERT_EQ(even == nullptr, uneven == nullptr) << "nothing is refused for it";
@@ -397,24 +398,24 @@ TEST_P(NavigatorTest, OnUnevenGroundTheZmpKeepsFartherInsideWhereItCan) {
 TEST_P(NavigatorTest, WhereNoStepCatchesItWhatWasToBeDoneOtherwiseIsDone) {
   Trip run(robot_);
   run.step({});
-  Problem problem = run.navigator().problem({});
+  Request request = run.navigator().request_for({});
   // From both feet, straight aside: the one that carries cannot step.
-  problem.catches = Vec2(0.0, 0.2 * robot_.profile().stance.com_height);
-  EXPECT_TRUE(std::holds_alternative<std::monostate>(run.planning().plan(problem).outcome));
-  problem.otherwise = std::make_shared<const Problem>(run.navigator().problem(push(Part::trunk, 0)));
-  const PlanningResult result = run.planning().plan(problem);
+  request.catches = Vec2(0.0, 0.2 * robot_.profile().stance.com_height);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(run.planning().plan(request).outcome));
+  request.otherwise = std::make_shared<const Request>(run.navigator().request_for(push(Part::trunk, 0)));
+  const Answer result = run.planning().plan(request);
   ASSERT_TRUE(std::holds_alternative<Motion>(result.outcome));
-  EXPECT_EQ(result.command, problem.otherwise->command);
+  EXPECT_EQ(result.command, request.otherwise->command);
   EXPECT_FALSE(result.catches.has_value());
   // If it is to fall else, the other foot steps.
-  problem.beyond = 0.11 * robot_.profile().stance.com_height;
-  const PlanningResult aside = run.planning().plan(problem);
+  request.beyond = 0.11 * robot_.profile().stance.com_height;
+  const Answer aside = run.planning().plan(request);
   ASSERT_TRUE(aside.catches.has_value());
   EXPECT_EQ(std::get<Motion>(aside.outcome).goal.swing, Side::right);
   // Where one does, it is the answer.
-  problem.beyond = 0.0;
-  problem.catches = Vec2(0.2 * robot_.profile().stance.com_height, 0.0);
-  EXPECT_TRUE(run.planning().plan(problem).catches.has_value());
+  request.beyond = 0.0;
+  request.catches = Vec2(0.2 * robot_.profile().stance.com_height, 0.0);
+  EXPECT_TRUE(run.planning().plan(request).catches.has_value());
 }
 
 TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
@@ -450,16 +451,16 @@ TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
   int shrunk = 0;
   int along = 0;
   Trip run(robot_);
-  Planning strict(robot_, run.world(), {.on_limit = OnLimit::discard});
+  Strategy strict(robot_, run.world(), {.on_limit = OnLimit::discard});
   for (int k = 0; k < 450; ++k) {
     const Command command = anything(random);
     for (int tick = 0; tick < 80; ++tick) {
       const JointTarget& target = run.navigator().tick(run.body().read(), command);
       run.body().write(target);
-      const auto problem = run.navigator().request();
-      if (!problem) continue;
-      const PlanningResult result = run.planning().plan(*problem);
-      const PlanningResult discarded = strict.plan(*problem);
+      const auto request = run.navigator().request();
+      if (!request) continue;
+      const Answer result = run.planning().plan(*request);
+      const Answer discarded = strict.plan(*request);
       const auto* against = std::get_if<Refusal>(&discarded.outcome);
       const auto* motion = std::get_if<Motion>(&result.outcome);
       if (against == nullptr) {
@@ -474,7 +475,7 @@ TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
           ASSERT_TRUE(motion->limit.has_value());
           EXPECT_EQ(motion->limit->reason, against->reason);
           ASSERT_FALSE(motion->certificate.margins.empty());
-          const Posture& from = problem->context.from;
+          const Posture& from = request->context.from;
           if (command.guide != Part::trunk && motion->goal.guided == command.guide && command.lift.left == 0.0) {
             const Side side = side_of(command.guide);
             const bool is_step = is_foot(command.guide);

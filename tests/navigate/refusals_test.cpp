@@ -9,6 +9,7 @@
 #include <set>
 
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 #include "tests/support/temp.hpp"
 #include "tests/verify/sample_motions.hpp"
 
@@ -17,12 +18,12 @@ namespace {
 
 const std::string kFloor = R"(<geom name="ground" type="plane" size="0 0 0.05"/>)";
 
-/// A robot, a world and a problem that is refused.
+/// A robot, a world and a request that is refused.
 struct Case {
   Profile profile;
   std::string geoms = kFloor;
   Command command;
-  std::function<void(Problem&)> change = [](Problem&) {};
+  std::function<void(Request&)> change = [](Request&) {};
 };
 
 Command push(Part part, int axis, double value = 1.0) {
@@ -39,18 +40,18 @@ std::string ground_box(const std::string& name, double x, double forward, double
 
 class RefusalsTest : public testing::TestWithParam<std::string> {
  protected:
-  [[nodiscard]] PlanningResult plan(const Case& c) const {
+  [[nodiscard]] Answer plan(const Case& c) const {
     const RobotModel robot(c.profile);
     const std::string file = test::temp_folder() + "refusals.xml";
     std::ofstream(file) << "<mujoco><worldbody><site name=\"start\"/>" << c.geoms << "</worldbody></mujoco>";
     const World world{file};
-    Planning planning(robot, world, {DurationRule::paper, OnLimit::discard});
-    Problem problem;
-    problem.command = c.command;
-    problem.context = test::at_home(robot);
-    c.change(problem);
-    problem.start = problem.context.from;
-    return planning.plan(problem);
+    Strategy planning(robot, world, {DurationRule::paper, OnLimit::discard});
+    Request request;
+    request.command = c.command;
+    request.context = test::at_home(robot);
+    c.change(request);
+    request.start = request.context.from;
+    return planning.plan(request);
   }
 
   [[nodiscard]] Posture with_an_arm_in_the_trunk(VecX q) const {
@@ -121,7 +122,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         break;
       case Reason::inclined_sole:
         c.command = step;
-        c.change = [](Problem& problem) { problem.tilted = {Side::right, 0.15}; };
+        c.change = [](Request& request) { request.tilted = {Side::right, 0.15}; };
         break;
       case Reason::zmp:
         p.margin.zmp_plan = p.stance.width;
@@ -156,7 +157,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
       case Reason::contact_wrench: {
         // Hardly less slippery than the tangential force as a whole: the soles' vertices cannot give the moment, too.
         c.command = step;
-        const PlanningResult planned = plan(c);
+        const Answer planned = plan(c);
         const auto& motion = std::get<Motion>(planned.outcome);
         p.duration.first = p.duration.max = motion.duration();
         for (const Margin& margin : motion.certificate.margins) {
@@ -166,8 +167,8 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
       }
       case Reason::self_collision:
         c.command = push(Part::left_foot, 0, 0.3);
-        c.change = [this](Problem& problem) {
-          problem.context.from = with_an_arm_in_the_trunk(problem.context.from.q);
+        c.change = [this](Request& request) {
+          request.context.from = with_an_arm_in_the_trunk(request.context.from.q);
         };
         break;
       case Reason::obstacle:
@@ -182,7 +183,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         break;
       case Reason::not_finite:
         c.command = push(Part::left_hand, 0);
-        c.change = [](Problem& problem) { problem.context.from.hand.left.p.x() = std::nan(""); };
+        c.change = [](Request& request) { request.context.from.hand.left.p.x() = std::nan(""); };
         break;
     }
     return c;
@@ -206,7 +207,7 @@ TEST_P(RefusalsTest, AFootThatASlipBroughtNearerToAStepThanTheMarginCanLeave) {
     c.geoms = kFloor + ground_box("ground_step", -heel - away * edge, -1.0, riser);
     for (const Command& command : {push(Part::left_foot, 0), push(Part::trunk, 0)}) {
       c.command = command;
-      const PlanningResult result = plan(c);
+      const Answer result = plan(c);
       EXPECT_TRUE(std::holds_alternative<Motion>(result.outcome)) << away;
     }
   }
@@ -215,7 +216,7 @@ TEST_P(RefusalsTest, AFootThatASlipBroughtNearerToAStepThanTheMarginCanLeave) {
 TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {
   for (std::size_t i = 0; i < kReasons; ++i) {
     const auto reason = static_cast<Reason>(i);
-    const PlanningResult result = plan(refused_for(reason));
+    const Answer result = plan(refused_for(reason));
     const auto* refusal = std::get_if<Refusal>(&result.outcome);
     ASSERT_NE(refusal, nullptr) << to_string(reason) << ": nothing is refused";
     EXPECT_EQ(refusal->reason, reason) << to_string(reason) << " is " << to_string(refusal->reason) << " "

@@ -51,9 +51,9 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
   for (double t = 0.0; t < 6.0 * std::sqrt(height_ / 0.26); t += period)
     trip.step(walk);
   come_to_rest(trip);
-  const Problem problem = trip.navigator().problem(retrace());
-  ASSERT_TRUE(problem.trail);
-  const double here = problem.start.com.x();
+  const Request request = trip.navigator().request_for(retrace());
+  ASSERT_TRUE(request.trail);
+  const double here = request.start.com.x();
   ASSERT_GT(here, 0.8 * height_);
   const double stride = robot_.profile().region.foot_x.hi;
 
@@ -62,8 +62,8 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
   for (double x = -1.5 * height_; x < here + 0.1 * height_; x += 0.07 * height_) {
     SCOPED_TRACE(testing::Message() << "floor from " << x << " of " << here);
     const World world = floor_from(x);
-    Planning planning(robot_, world);
-    const PlanningResult result = planning.plan(problem);
+    Strategy planning(robot_, world);
+    const Answer result = planning.plan(request);
     const auto* motion = std::get_if<Motion>(&result.outcome);
     if (motion == nullptr) {
       EXPECT_EQ(std::get<Refusal>(result.outcome).reason, Reason::ground);
@@ -72,12 +72,12 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     }
     EXPECT_TRUE(motion->retraces);
     Motion copy = *motion;
-    EXPECT_TRUE(std::holds_alternative<Certificate>(Verifier(robot_, world).verify(copy, problem.context.anchor)));
+    EXPECT_TRUE(std::holds_alternative<Certificate>(Verifier(robot_, world).verify(copy, request.context.anchor)));
     EXPECT_TRUE(motion->samples.front().dq.isZero(0.0) && motion->samples.back().dq.isZero(0.0));
     EXPECT_GE(motion->end.com.x(), end_before) << "more floor, and not so far";
     end_before = motion->end.com.x() - 1e-9;
     if (!motion->limit) {
-      EXPECT_EQ(motion->end.q, problem.trail->start.q);
+      EXPECT_EQ(motion->end.q, request.trail->start.q);
       continue;
     }
     ++parts;
@@ -87,10 +87,10 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     // What is left of the way back goes on from there, to the bit.
     const Motion left = reversed(robot_, *result.trail);
     EXPECT_EQ(left.samples.front().q, motion->end.q);
-    EXPECT_EQ(left.end.q, problem.trail->start.q);
+    EXPECT_EQ(left.end.q, request.trail->start.q);
     // Where commands are not done in part, it is refused.
-    Planning strict(robot_, world, {.on_limit = OnLimit::discard});
-    EXPECT_TRUE(std::holds_alternative<Refusal>(strict.plan(problem).outcome));
+    Strategy strict(robot_, world, {.on_limit = OnLimit::discard});
+    EXPECT_TRUE(std::holds_alternative<Refusal>(strict.plan(request).outcome));
   }
   EXPECT_GT(parts, 8);
 }
@@ -111,12 +111,12 @@ TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysK
   come_to_rest(trip);
   const Posture home = trip.home();
   const World world = floor_from(home.sole.left.p.x() + 0.2 * height_);
-  Planning planning(robot_, world);
+  Strategy planning(robot_, world);
   Navigator& navigator = trip.navigator();
-  const auto step = [&](const Command& command, Planning& planner) {
+  const auto step = [&](const Command& command, Strategy& planner) {
     trip.body().write(navigator.tick(trip.body().read(), command));
     navigator.poll();
-    if (const auto problem = navigator.request()) navigator.offer(planner.plan(*problem));
+    if (const auto request = navigator.request()) navigator.offer(planner.plan(*request));
   };
   // Again and again it is let go of on its way to the edge of the floor.
   for (int press = 0; press < 12; ++press) {

@@ -5,6 +5,7 @@
 
 #include "baton/ik/stand.hpp"
 #include "baton/navigate/navigator.hpp"
+#include "baton/plan/strategy.hpp"
 #include "baton/robot/ideal_robot.hpp"
 
 namespace baton::test {
@@ -28,9 +29,9 @@ class Trip {
     if (on_tick) on_tick(false);
     body_.write(target);
     navigator_.poll();
-    if (auto problem = navigator_.request()) {
+    if (auto request = navigator_.request()) {
       ++requests_;
-      if (answer) navigator_.offer(planning_.plan(*problem));
+      if (answer) navigator_.offer(planning_.plan(*request));
     }
     return target;
   }
@@ -41,7 +42,7 @@ class Trip {
   Navigator& navigator() { return navigator_; }
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   IdealRobot& body() { return body_; }
-  Planning& planning() { return planning_; }
+  Strategy& planning() { return planning_; }
   /// Where it really is.
   [[nodiscard]] Posture posture() const { return posture_of(*robot_, body_.truth().q); }
   const World& world() const { return world_; }
@@ -53,7 +54,7 @@ class Trip {
   World world_;
   Posture home_;
   Navigator navigator_;
-  Planning planning_;
+  Strategy planning_;
   IdealRobot body_;
   int requests_ = 0;
 };

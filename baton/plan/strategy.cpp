@@ -1,0 +1,290 @@
+#include "baton/plan/strategy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace baton {
+namespace {
+
+constexpr int kShrinkings = 3;         ///< shares of a goal that are tried
+constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the direction can be had
+constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
+constexpr double kSooner = 0.5;        ///< share of what is left of its flight in which a foot may land, to stop
+constexpr double kFalls = 0.1;  ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
+constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
+constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
+constexpr double kCareful = 2.0;            ///< there, times the margin of the planned ZMP
+
+/// What a step that catches the robot may use up: what is there for a plan to be followed well, not what the robot
+/// needs afterwards to go on from where it stands.
+RobotModel hasty(const RobotModel& robot) {
+  Profile profile = robot.profile();
+  profile.margin.zmp_plan = profile.margin.zmp_feedback;
+  profile.margin.torque = 1.0;
+  profile.margin.acceleration *= kHastyAcceleration;
+  profile.swing.clearance *= kHastySwing;
+  profile.swing.time *= kHastySwing;
+  return RobotModel(std::move(profile));
+}
+
+/// On ground that is not what the map says: a sole may stand on a part of it only.
+RobotModel careful(const RobotModel& robot) {
+  Profile profile = robot.profile();
+  profile.margin.zmp_plan = std::min(kCareful * profile.margin.zmp_plan, profile.margin.stand_on);
+  return RobotModel(std::move(profile));
+}
+
+/// What a planner answered, as an answer to a request.
+std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
+  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+  return std::get<Refusal>(std::move(planned));
+}
+
+}  // namespace
+
+Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
+    : robot_(&robot),
+      modes_(modes),
+      guide_(robot, world),
+      planner_(robot, world, modes.duration),
+      careful_(careful(robot)),
+      careful_planner_(careful_, world, modes.duration),
+      hasty_(hasty(robot)),
+      hasty_planner_(hasty_, world) {}
+
+Answer Strategy::plan(const Request& request) {
+  Answer result{request.take_over, request.command, request.context, {}, request.trail, request.catches};
+  result.outcome = outcome(request, result.trail);
+  const auto* motion = std::get_if<Motion>(&result.outcome);
+  if (motion == nullptr && request.otherwise) return plan(*request.otherwise);
+  if (motion == nullptr || motion->retraces) return result;
+  if (request.replaced_at < 0) {
+    result.trail = std::make_shared<const Trail>(trail_of(request.start, *motion));
+  } else if (request.halt) {
+    result.trail = std::make_shared<const Trail>(trail_to(*request.trail, *request.halt));
+  } else if (request.trail) {
+    result.trail = std::make_shared<const Trail>(continued(*request.trail, request.replaced_at, *motion));
+  }
+  return result;
+}
+
+Strategy::Outcome Strategy::outcome(const Request& request, std::shared_ptr<const Trail>& trail) {
+  if (request.halt) return halt(request);
+  if (request.catches) return catch_step(request);
+  if (request.command.recall == Recall::retrace) return go_back(request, trail);
+  if (request.uneven) {
+    Outcome outcome = led(careful_planner_, request);
+    if (!std::holds_alternative<Refusal>(outcome)) return outcome;
+  }
+  return led(planner_, request);
+}
+
+Strategy::Outcome Strategy::led(Planner& planner, const Request& request) {
+  if (request.command.recall == Recall::stop) {
+    if (request.replaced_at >= 0) return stop(planner, request);
+    const Command let_go{.guide = request.command.guide};
+    return resolve(planner, request, guide_.goals(request.context, let_go));  // at rest: a foot in the air is put down
+  }
+  Outcome whole = resolve(planner, request, guide_.goals(request.context, request.command));
+  if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
+  std::optional<Motion> part = shrunk(planner, request, std::get<Refusal>(whole));
+  if (!part) return whole;
+  part->limit = std::get<Refusal>(std::move(whole));
+  return *std::move(part);
+}
+
+Strategy::Outcome Strategy::resolve(Planner& planner, const Request& request, GuideResult guided) {
+  if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
+  const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+  if (goals == nullptr) return std::monostate{};
+  return outcome_of(first_of(planner, *goals, request));
+}
+
+Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& left) {
+  if (!request.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
+  const Trail& trail = *request.trail;
+  PlanResult planned = planner_.retrace(trail, request.context.anchor);
+  if (auto* refusal = std::get_if<Refusal>(&planned)) {
+    if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
+    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.context.anchor, *refusal);
+    if (!part) return std::move(*refusal);
+    left = std::make_shared<const Trail>(trail_to(trail, part->halt));
+    planned = std::move(part->motion);
+  }
+  auto& motion = std::get<Motion>(planned);
+  if (std::optional<Refusal> tips = no_stance(motion, request)) return *std::move(tips);
+  return std::move(motion);
+}
+
+Strategy::Outcome Strategy::stop(Planner& planner, const Request& request) {
+  GuideResult ways = guide_.stops(request.context);
+  if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
+  return quickest(planner, std::get<std::vector<Goal>>(ways), request);
+}
+
+Strategy::Outcome Strategy::catch_step(const Request& request) {
+  const bool falls = request.beyond > kFalls * robot_->profile().stance.com_height;
+  const GuideResult ways = guide_.catches(request.context, *request.catches, falls);
+  const auto* goals = std::get_if<std::vector<Goal>>(&ways);
+  if (goals == nullptr) return std::monostate{};
+  // Until a foot lands, what no ZMP holds grows; there, the foot gains what it went farther.
+  const auto lacks = [&](double t, double gained) { return request.beyond * std::exp(robot_->omega() * t) - gained; };
+  const Vec2 way = request.catches->normalized();
+  const Profile::Tick& tick = robot_->profile().tick;
+  double least = request.lands ? lacks(*request.lands, request.gains) : std::numeric_limits<double>::infinity();
+  Outcome best;
+  for (const Goal& goal : *goals) {
+    Outcome outcome = quickest(hasty_planner_, {goal}, request);
+    const auto* motion = std::get_if<Motion>(&outcome);
+    if (motion == nullptr) continue;
+    const Side side = *goal.swing;
+    const Pose& before = request.context.step ? request.context.step->to : request.context.from.sole[other(side)];
+    const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
+    const double lack = lacks((tick.lookahead + motion->last_phase()) * tick.period, gained);
+    if (lack >= least) continue;
+    least = lack;
+    best = std::move(outcome);
+    if (lack < 0.0) break;
+  }
+  return best;
+}
+
+Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
+  std::vector<Posture> starts{request.start};
+  if (request.start.flight) {  // the foot may also come down sooner than it was to
+    Flight& flight = *starts.emplace_back(request.start).flight;
+    const double left = std::max(kLeastFlight, kSooner * flight.left);
+    flight.rise *= left / flight.left;
+    flight.left = left;
+  }
+  std::optional<Motion> best;
+  std::optional<Refusal> against;
+  for (const Goal& goal : goals) {
+    for (const Posture& start : starts) {
+      PlanResult planned = planner.plan(start, goal, request.context.anchor, DurationRule::search);
+      if (auto* motion = std::get_if<Motion>(&planned)) {
+        if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
+      } else if (!against) {
+        against = std::get<Refusal>(std::move(planned));
+      }
+    }
+  }
+  if (best) return *std::move(best);
+  return *std::move(against);
+}
+
+Strategy::Outcome Strategy::halt(const Request& request) {
+  return outcome_of(planner_.halt(request.start, *request.trail, *request.halt, request.context.anchor));
+}
+
+std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request, const Refusal& against) {
+  const Posture& from = request.context.from;
+  const Command& command = request.command;
+  const bool both_stand = from.contact.left && from.contact.right;
+  if (command.recall != Recall::none ||
+      (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
+    return std::nullopt;
+  std::optional<Motion> best;
+  const auto accepted = [&](Outcome outcome) {
+    auto* motion = std::get_if<Motion>(&outcome);
+    const bool better = motion != nullptr && worth(from, *motion);
+    if (better) best = std::move(*motion);
+    return better;
+  };
+  const auto tried = [&](const Command& candidate) {
+    return accepted(resolve(planner, request, guide_.goals(request.context, candidate)));
+  };
+  double done = 0.0;
+  double refused = 1.0;
+  for (int k = 0; k < kShrinkings; ++k) {
+    const double share = 0.5 * (done + refused);
+    (tried(guide_.shortened(request.context, command, share)) ? done : refused) = share;
+  }
+  if (best) return best;
+  // Nowhere along the direction: along the limit then, a foot to the edge of its region, or any part by the axis that
+  // asks for most, or the next.
+  if (is_foot(command.guide)) {
+    const Command within = guide_.within_region(request.context, command);
+    if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
+    const bool edge = against.reason == Reason::ground;
+    const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
+    if (edge && accepted(resolve(planner, request, guide_.nearest_step(request.context, command)))) return best;
+    if ((edge || too_far) && accepted(resolve(planner, request, guide_.other_foot_first(request.context, command))))
+      return best;
+  }
+  std::vector<int> axes = guide_.axes_of(command.guide);
+  std::stable_sort(axes.begin(), axes.end(),
+                   [&](int a, int b) { return std::abs(command.axes[a]) > std::abs(command.axes[b]); });
+  axes.resize(std::min(axes.size(), kAxesTried));
+  for (const int axis : axes) {
+    Command one = command;
+    one.axes.setZero();
+    one.axes[axis] = command.axes[axis];
+    if (one.axes[axis] != 0.0 && tried(one)) return best;
+  }
+  return std::nullopt;
+}
+
+bool Strategy::worth(const Posture& from, const Motion& motion) const {
+  const Profile::Reach& reach = robot_->profile().reach;
+  const Part part = motion.goal.guided;
+  const auto pose = [&](const Posture& posture) -> Pose {
+    if (is_foot(part)) return posture.sole[side_of(part)];
+    if (is_hand(part)) return posture.hand[side_of(part)];
+    return {posture.com, posture.trunk};
+  };
+  const double size = is_foot(part) ? reach.foot : is_hand(part) ? reach.hand : reach.trunk;
+  const Pose a = pose(from);
+  const Pose b = pose(motion.end);
+  return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
+}
+
+PlanResult Strategy::first_of(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
+  std::optional<Refusal> against;
+  for (const Goal& goal : goals) {
+    PlanResult planned = planner.plan(request.start, goal, request.context.anchor);
+    if (auto* motion = std::get_if<Motion>(&planned)) {
+      std::optional<Refusal> against_it = no_stance(*motion, request);
+      if (!against_it) against_it = no_landing(*motion, request.context);
+      if (!against_it) return planned;
+      planned = *std::move(against_it);
+    }
+    if (!against) against = std::get<Refusal>(planned);
+  }
+  return *against;
+}
+
+std::optional<Refusal> Strategy::no_stance(const Motion& motion, const Request& request) {
+  if (!request.tilted) return std::nullopt;
+  const Side side = request.tilted->side;
+  const bool alone = std::any_of(motion.samples.begin(), motion.samples.end(), [side](const MotionSample& sample) {
+    return sample.contact[side] && !sample.contact[other(side)];
+  });
+  if (!alone) return std::nullopt;
+  return Refusal{Reason::inclined_sole, foot(side), request.tilted->by, kFlatSole, ""};
+}
+
+std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideContext& context) {
+  const Posture& end = motion.end;
+  if (end.contact.left && end.contact.right) return std::nullopt;
+  const Side up = end.contact.left ? Side::right : Side::left;
+  GuideContext there{end, context.anchor, context.last_step, context.foothold};
+  there.unsure = context.unsure;
+  GuideResult landings = guide_.landings(there, up);
+  std::optional<Refusal> against;
+  if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
+    for (const Goal& goal : *goals) {
+      PlanResult planned = planner_.plan(end, goal, context.anchor);
+      if (std::holds_alternative<Motion>(planned)) return std::nullopt;
+      if (!against) against = std::get<Refusal>(planned);
+    }
+  } else {
+    against = std::get<Refusal>(landings);
+  }
+  return Refusal{Reason::no_landing, against->part, against->value, against->limit,
+                 std::string(to_string(against->reason))};
+}
+
+}  // namespace baton
