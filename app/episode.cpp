@@ -212,7 +212,7 @@ class Run {
 
   void look_whether_refused(const PlanRecord& record) {
     const auto* refusal = std::get_if<Refusal>(&record.result.outcome);
-    if (refusal == nullptr || record.request.command.recall != Recall::retrace || !record.request.trail) return;
+    if (refusal == nullptr || record.request.command.recall != Recall::retrace || !record.request.start.trail) return;
     ++tally_.retrace.tried;
     ++tally_.retrace.refused;
     if (on_ == Session::On::ideal)
@@ -289,6 +289,7 @@ std::string Episodes::script(long index, const EpisodeResult& result) const {
 bool stuck(Strategy& planning, Request request) {
   const auto goes = [&](const Command& command) {
     request.command = command;
+    request.intents = {intent_of(command)};
     return std::holds_alternative<Motion>(planning.plan(request).outcome);
   };
   Command command;

@@ -61,7 +61,7 @@ int operate(const OperateOptions& o) {
       spdlog::debug("{:6.2f} s: {} refused: {} {} {:.4f}, limit {:.4f}", session.t(), to_string(command.guide),
                     to_string(refusal->reason), refusal->where, refusal->value, refusal->limit);
     }
-    refused = refusal.has_value();
+    refused = refusal != nullptr;
     kinematics.set(session.truth().q);
     error = (kinematics.hand(Side::left).p - door).norm();
     held = error < kReached ? held + period : 0.0;

@@ -142,7 +142,7 @@ Command RoomOperator::step_by_step(const Session& session) {
   const bool ready = session.resting() || landed;
   const double t = session.t();
   if (deflected_) {
-    const bool refused = robot.refusal().has_value() && t - since_ > parameters_.patience;
+    const bool refused = robot.refusal() != nullptr && t - since_ > parameters_.patience;
     if (robot.committed() == moved_ && !refused) return stick_;
     refusals_ = refused ? refusals_ + 1 : 0;
     // It moves, or it does not want to: let go, but keep a lifted foot up.

@@ -22,7 +22,7 @@ int plan(const PlanOptions& o) {
   nlohmann::json segments = nlohmann::json::array();
   int motions = 0;
   session.on_plan = [&](const PlanRecord& record) {
-    const double t = static_cast<double>(record.request.take_over) * robot.profile().tick.period;
+    const double t = static_cast<double>(record.request.at) * robot.profile().tick.period;
     nlohmann::json entry = {{"t", t}, {"guide", to_string(record.request.command.guide)}};
     if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
       entry.update(to_json(*motion, record.result.context.anchor));
@@ -33,7 +33,7 @@ int plan(const PlanOptions& o) {
         entry["file"] = file.string();
       }
     } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {
-      if (record.request.context.goes_on) return;  // it is asked again at rest
+      if (record.request.start.context.goes_on) return;  // it is asked again at rest
       entry["refused"] = to_json(*refusal);
     } else {
       return;

@@ -10,12 +10,12 @@ constexpr int kStuck = 3;  ///< refusals of a part in a row after which the oper
 }  // namespace
 
 void Refusals::look(const Navigator& navigator) {
-  const bool stood = std::exchange(stands_, navigator.refusal().has_value());
+  const bool stood = std::exchange(stands_, navigator.refusal() != nullptr);
   const bool new_one = stands_ && !stood;
   changed_ = changed_ || differs(navigator.command(), refused_);
   if (new_one) {
     ++count_;
-    newest_ = navigator.refusal();
+    newest_ = *navigator.refusal();
   }
   if (navigator.motion() != nullptr) {
     times_ = 0;

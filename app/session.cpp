@@ -124,7 +124,7 @@ void Session::plan() {
     if (!answer || lost_) return;
     if (on_plan) on_plan({t_, answer->request, answer->result, answer->plan_us});
     if (on_event) on_event(PlanningEvent::offer);
-    navigator_.offer(std::move(answer->result));
+    navigator_.answer(std::move(answer->result));
   };
   hand_in();
   const bool busy = thread_ ? !thread_->idle() : ready_.has_value();

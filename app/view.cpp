@@ -18,10 +18,10 @@ constexpr double kShows = 0.2;      ///< of being pushed off its way before the 
 Activity activity(const Session& session) {
   const Navigator& nav = session.navigator();
   if (session.fallen()) return Activity::fallen;
-  const Intent intent = nav.intent();
-  if (intent == Intent::none) return Activity::rest;
-  if (intent == Intent::stop || nav.command().recall == Recall::stop) return Activity::stopping;
-  return intent == Intent::retrace || intent == Intent::home ? Activity::retracing : Activity::moving;
+  const Purpose purpose = nav.purpose();
+  if (purpose == Purpose::none) return Activity::rest;
+  if (purpose == Purpose::stop || nav.command().recall == Recall::stop) return Activity::stopping;
+  return purpose == Purpose::retrace || purpose == Purpose::home ? Activity::retracing : Activity::moving;
 }
 
 View::View(const Session& session, int port)

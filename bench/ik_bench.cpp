@@ -19,7 +19,7 @@ Rows bench_ik(const Options& /*unused*/) {
   std::vector<Recorded> recorded;
   session.on_plan = [&](const PlanRecord& record) {
     if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
-      recorded.push_back({record.request.start, *motion});
+      recorded.push_back({record.request.start.posture, *motion});
     }
   };
   while (session.t() < 20.0) {

@@ -131,9 +131,9 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
       const std::optional<Request> request = changed.navigator.request();
       if (!request) continue;
       const Answer result = planning.plan(*request);
-      changed.navigator.offer(result);
+      changed.navigator.answer(result);
       for (Run* run : {&held, &unanswered}) {
-        if (run->navigator.request()) run->navigator.offer(result);
+        if (run->navigator.request()) run->navigator.answer(result);
       }
     }
   }
@@ -150,7 +150,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
       change.latency = static_cast<double>(k) * period;
       break;
     }
-    if (const std::optional<Request> request = held.navigator.request()) held.navigator.offer(planning.plan(*request));
+    if (const std::optional<Request> request = held.navigator.request()) held.navigator.answer(planning.plan(*request));
     const std::optional<Request> request = changed.navigator.request();
     if (!request) continue;
     const double before = cpu_us();
@@ -159,7 +159,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
     const auto* refusal = std::get_if<Refusal>(&result.outcome);
     if (change.plan_us.size() == 1 && !std::holds_alternative<Motion>(result.outcome))
       change.first_against = refusal != nullptr ? to_string(refusal->reason) : "nothing to do";
-    changed.navigator.offer(std::move(result));
+    changed.navigator.answer(std::move(result));
   }
   return change;
 }

@@ -26,9 +26,9 @@ Rows bench_segment(const Options& /*unused*/) {
         const auto* motion = std::get_if<Motion>(&record.result.outcome);
         if (motion == nullptr) return;
         request.values.push_back(record.plan_us);
-        const GuideContext& context = record.request.context;
+        const GuideContext& context = record.request.start.context;
         std::optional<PlanResult> again;
-        time(segment, [&] { again = planner.plan(record.request.start, motion->goal, context.anchor); });
+        time(segment, [&] { again = planner.plan(record.request.start.posture, motion->goal, context.anchor); });
         T += std::get<Motion>(*again).duration();
         tried += std::get<Motion>(*again).durations_tried;
       };

@@ -25,6 +25,12 @@ struct Pose {
   [[nodiscard]] Pose inverse() const { return {-(R.transpose() * p), R.transpose()}; }
 };
 
+/// Distance between the places where two poses put a point of their frame [m]: frames that hardly differ may have
+/// origins far away from it.
+[[nodiscard]] inline double distance_at(const Pose& a, const Pose& b, const Vec3& point) {
+  return (a * point - b * point).norm();
+}
+
 /// v, no longer than `most`.
 template <typename Vector>
 [[nodiscard]] Vector bounded(const Vector& v, double most) {

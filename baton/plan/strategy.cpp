@@ -42,6 +42,13 @@ std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
   return std::get<Refusal>(std::move(planned));
 }
 
+/// The trail of the motion that replaces, or begins, what the robot executes; null if that is on none.
+std::shared_ptr<const Trail> trail_with(const Start& start, const Motion& motion) {
+  if (start.sample < 0) return std::make_shared<const Trail>(trail_of(start.posture, motion));
+  if (!start.trail) return nullptr;
+  return std::make_shared<const Trail>(continued(*start.trail, start.sample, motion));
+}
+
 }  // namespace
 
 Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
@@ -55,39 +62,51 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
       hasty_planner_(hasty_, world) {}
 
 Answer Strategy::plan(const Request& request) {
-  Answer result{request.take_over, request.command, request.context, {}, request.trail, request.catches};
-  result.outcome = outcome(request, result.trail);
-  const auto* motion = std::get_if<Motion>(&result.outcome);
-  if (motion == nullptr && request.otherwise) return plan(*request.otherwise);
-  if (motion == nullptr || motion->retraces) return result;
-  if (request.replaced_at < 0) {
-    result.trail = std::make_shared<const Trail>(trail_of(request.start, *motion));
-  } else if (request.halt) {
-    result.trail = std::make_shared<const Trail>(trail_to(*request.trail, *request.halt));
-  } else if (request.trail) {
-    result.trail = std::make_shared<const Trail>(continued(*request.trail, request.replaced_at, *motion));
+  Answer answer;
+  for (const Intent& intent : request.intents) {
+    answer = attempt(request, intent);
+    if (answer.motion() != nullptr) break;
   }
-  return result;
+  return answer;
 }
 
-Strategy::Outcome Strategy::outcome(const Request& request, std::shared_ptr<const Trail>& trail) {
-  if (request.halt) return halt(request);
-  if (request.catches) return catch_step(request);
-  if (request.command.recall == Recall::retrace) return go_back(request, trail);
-  if (request.uneven) {
-    Outcome outcome = led(careful_planner_, request);
+Answer Strategy::attempt(const Request& request, const Intent& intent) {
+  if (const auto* capture = std::get_if<Catch>(&intent)) return attempt_capture(request, *capture);
+  Answer answer{request.at, intent, request.command, request.start.context, {}, request.start.trail};
+  if (answer.stops()) answer.command.recall = Recall::stop;
+  if (const auto* halt = std::get_if<HaltAt>(&intent)) {
+    answer.outcome = this->halt(request, halt->rest);
+    if (answer.motion() != nullptr) answer.trail = std::make_shared<const Trail>(trail_to(*answer.trail, halt->rest));
+  } else if (std::holds_alternative<Retrace>(intent)) {
+    answer.outcome = go_back(request, answer.trail);
+  } else {
+    answer.outcome = follow_or_stop(request, answer.stops());
+    if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
+  }
+  return answer;
+}
+
+Answer Strategy::attempt_capture(Request request, const Catch& capture) {
+  request.command = Command{.guide = request.command.guide};
+  GuideContext& context = request.start.context;
+  context.anchor.p.z() = capture.height;
+  if (context.step) context.step->to.p.head<2>() -= capture.moved;
+  Answer answer{request.at, capture, request.command, context, catch_step(request, capture), request.start.trail};
+  if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
+  return answer;
+}
+
+Strategy::Outcome Strategy::follow_or_stop(const Request& request, bool stops) {
+  const auto with = [&](Planner& planner) { return stops ? stop(planner, request) : follow(planner, request); };
+  if (request.terrain.uneven) {
+    Outcome outcome = with(careful_planner_);
     if (!std::holds_alternative<Refusal>(outcome)) return outcome;
   }
-  return led(planner_, request);
+  return with(planner_);
 }
 
-Strategy::Outcome Strategy::led(Planner& planner, const Request& request) {
-  if (request.command.recall == Recall::stop) {
-    if (request.replaced_at >= 0) return stop(planner, request);
-    const Command let_go{.guide = request.command.guide};
-    return resolve(planner, request, guide_.goals(request.context, let_go));  // at rest: a foot in the air is put down
-  }
-  Outcome whole = resolve(planner, request, guide_.goals(request.context, request.command));
+Strategy::Outcome Strategy::follow(Planner& planner, const Request& request) {
+  Outcome whole = resolve(planner, request, guide_.goals(request.start.context, request.command));
   if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
   std::optional<Motion> part = shrunk(planner, request, std::get<Refusal>(whole));
   if (!part) return whole;
@@ -103,12 +122,12 @@ Strategy::Outcome Strategy::resolve(Planner& planner, const Request& request, Gu
 }
 
 Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& left) {
-  if (!request.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
-  const Trail& trail = *request.trail;
-  PlanResult planned = planner_.retrace(trail, request.context.anchor);
+  if (!request.start.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
+  const Trail& trail = *request.start.trail;
+  PlanResult planned = planner_.retrace(trail, request.start.context.anchor);
   if (auto* refusal = std::get_if<Refusal>(&planned)) {
     if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
-    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.context.anchor, *refusal);
+    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.start.context.anchor, *refusal);
     if (!part) return std::move(*refusal);
     left = std::make_shared<const Trail>(trail_to(trail, part->halt));
     planned = std::move(part->motion);
@@ -119,28 +138,35 @@ Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<cons
 }
 
 Strategy::Outcome Strategy::stop(Planner& planner, const Request& request) {
-  GuideResult ways = guide_.stops(request.context);
+  const GuideContext& context = request.start.context;
+  if (request.start.sample < 0) {  // at rest: a foot in the air is put down
+    return resolve(planner, request, guide_.goals(context, Command{.guide = request.command.guide}));
+  }
+  GuideResult ways = guide_.stops(context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
   return quickest(planner, std::get<std::vector<Goal>>(ways), request);
 }
 
-Strategy::Outcome Strategy::catch_step(const Request& request) {
-  const bool falls = request.beyond > kFalls * robot_->profile().stance.com_height;
-  const GuideResult ways = guide_.catches(request.context, *request.catches, falls);
+Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capture) {
+  const GuideContext& context = request.start.context;
+  const bool falls = capture.dcm_excess > kFalls * robot_->profile().stance.com_height;
+  const GuideResult ways = guide_.catches(context, capture.by, falls);
   const auto* goals = std::get_if<std::vector<Goal>>(&ways);
   if (goals == nullptr) return std::monostate{};
   // Until a foot lands, what no ZMP holds grows; there, the foot gains what it went farther.
-  const auto lacks = [&](double t, double gained) { return request.beyond * std::exp(robot_->omega() * t) - gained; };
-  const Vec2 way = request.catches->normalized();
+  const auto lacks = [&](double t, double gained) {
+    return capture.dcm_excess * std::exp(robot_->omega() * t) - gained;
+  };
+  const Vec2 way = capture.by.normalized();
   const Profile::Tick& tick = robot_->profile().tick;
-  double least = request.lands ? lacks(*request.lands, request.gains) : std::numeric_limits<double>::infinity();
+  double least = capture.lands_in ? lacks(*capture.lands_in, capture.gain) : std::numeric_limits<double>::infinity();
   Outcome best;
   for (const Goal& goal : *goals) {
     Outcome outcome = quickest(hasty_planner_, {goal}, request);
     const auto* motion = std::get_if<Motion>(&outcome);
     if (motion == nullptr) continue;
     const Side side = *goal.swing;
-    const Pose& before = request.context.step ? request.context.step->to : request.context.from.sole[other(side)];
+    const Pose& before = context.step ? context.step->to : context.from.sole[other(side)];
     const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
     const double lack = lacks((tick.lookahead + motion->last_phase()) * tick.period, gained);
     if (lack >= least) continue;
@@ -152,9 +178,9 @@ Strategy::Outcome Strategy::catch_step(const Request& request) {
 }
 
 Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
-  std::vector<Posture> starts{request.start};
-  if (request.start.flight) {  // the foot may also come down sooner than it was to
-    Flight& flight = *starts.emplace_back(request.start).flight;
+  std::vector<Posture> starts{request.start.posture};
+  if (request.start.posture.flight) {  // the foot may also come down sooner than it was to
+    Flight& flight = *starts.emplace_back(request.start.posture).flight;
     const double left = std::max(kLeastFlight, kSooner * flight.left);
     flight.rise *= left / flight.left;
     flight.left = left;
@@ -163,7 +189,7 @@ Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& 
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
     for (const Posture& start : starts) {
-      PlanResult planned = planner.plan(start, goal, request.context.anchor, DurationRule::search);
+      PlanResult planned = planner.plan(start, goal, request.start.context.anchor, DurationRule::search);
       if (auto* motion = std::get_if<Motion>(&planned)) {
         if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
       } else if (!against) {
@@ -175,15 +201,16 @@ Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& 
   return *std::move(against);
 }
 
-Strategy::Outcome Strategy::halt(const Request& request) {
-  return outcome_of(planner_.halt(request.start, *request.trail, *request.halt, request.context.anchor));
+Strategy::Outcome Strategy::halt(const Request& request, const Halt& rest) {
+  const Start& start = request.start;
+  return outcome_of(planner_.halt(start.posture, *start.trail, rest, start.context.anchor));
 }
 
 std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request, const Refusal& against) {
-  const Posture& from = request.context.from;
+  const Posture& from = request.start.context.from;
   const Command& command = request.command;
   const bool both_stand = from.contact.left && from.contact.right;
-  if (command.recall != Recall::none ||
+  if (request.command.recall != Recall::none ||
       (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
     return std::nullopt;
   std::optional<Motion> best;
@@ -194,24 +221,25 @@ std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request,
     return better;
   };
   const auto tried = [&](const Command& candidate) {
-    return accepted(resolve(planner, request, guide_.goals(request.context, candidate)));
+    return accepted(resolve(planner, request, guide_.goals(request.start.context, candidate)));
   };
   double done = 0.0;
   double refused = 1.0;
   for (int k = 0; k < kShrinkings; ++k) {
     const double share = 0.5 * (done + refused);
-    (tried(guide_.shortened(request.context, command, share)) ? done : refused) = share;
+    (tried(guide_.shortened(request.start.context, command, share)) ? done : refused) = share;
   }
   if (best) return best;
   // Nowhere along the direction: along the limit then, a foot to the edge of its region, or any part by the axis that
   // asks for most, or the next.
   if (is_foot(command.guide)) {
-    const Command within = guide_.within_region(request.context, command);
+    const Command within = guide_.within_region(request.start.context, command);
     if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
     const bool edge = against.reason == Reason::ground;
     const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
-    if (edge && accepted(resolve(planner, request, guide_.nearest_step(request.context, command)))) return best;
-    if ((edge || too_far) && accepted(resolve(planner, request, guide_.other_foot_first(request.context, command))))
+    if (edge && accepted(resolve(planner, request, guide_.nearest_step(request.start.context, command)))) return best;
+    if ((edge || too_far) &&
+        accepted(resolve(planner, request, guide_.other_foot_first(request.start.context, command))))
       return best;
   }
   std::vector<int> axes = guide_.axes_of(command.guide);
@@ -244,10 +272,10 @@ bool Strategy::worth(const Posture& from, const Motion& motion) const {
 PlanResult Strategy::first_of(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
-    PlanResult planned = planner.plan(request.start, goal, request.context.anchor);
+    PlanResult planned = planner.plan(request.start.posture, goal, request.start.context.anchor);
     if (auto* motion = std::get_if<Motion>(&planned)) {
       std::optional<Refusal> against_it = no_stance(*motion, request);
-      if (!against_it) against_it = no_landing(*motion, request.context);
+      if (!against_it) against_it = no_landing(*motion, request.start.context);
       if (!against_it) return planned;
       planned = *std::move(against_it);
     }
@@ -257,13 +285,13 @@ PlanResult Strategy::first_of(Planner& planner, const std::vector<Goal>& goals, 
 }
 
 std::optional<Refusal> Strategy::no_stance(const Motion& motion, const Request& request) {
-  if (!request.tilted) return std::nullopt;
-  const Side side = request.tilted->side;
+  if (!request.terrain.inclined) return std::nullopt;
+  const Side side = request.terrain.inclined->side;
   const bool alone = std::any_of(motion.samples.begin(), motion.samples.end(), [side](const MotionSample& sample) {
     return sample.contact[side] && !sample.contact[other(side)];
   });
   if (!alone) return std::nullopt;
-  return Refusal{Reason::inclined_sole, foot(side), request.tilted->by, kFlatSole, ""};
+  return Refusal{Reason::inclined_sole, foot(side), request.terrain.inclined->angle, kFlatSole, ""};
 }
 
 std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideContext& context) {

@@ -6,7 +6,7 @@
 
 namespace baton {
 
-/// Request → result. Pure and slow; may live on a thread of its own.
+/// Request → answer. A pure function that takes milliseconds; may run on a thread of its own.
 class Strategy {
  public:
   /// Robot and world must outlive the object.
@@ -16,22 +16,24 @@ class Strategy {
  private:
   using Outcome = std::variant<std::monostate, Motion, Refusal>;
 
-  /// @param trail what the motion belongs to or retraces; of a part of a way back, what is left of it afterwards
-  [[nodiscard]] Outcome outcome(const Request& request, std::shared_ptr<const Trail>& trail);
+  [[nodiscard]] Answer attempt(const Request& request, const Intent& intent);
+  [[nodiscard]] Answer attempt_capture(Request request, const Catch& capture);
+  /// On uneven ground with a larger margin of the ZMP first.
+  [[nodiscard]] Outcome follow_or_stop(const Request& request, bool stops);
   /// What the command asks for, or a part of it.
-  [[nodiscard]] Outcome led(Planner& planner, const Request& request);
+  [[nodiscard]] Outcome follow(Planner& planner, const Request& request);
   /// The first goal that has a verified motion.
   [[nodiscard]] Outcome resolve(Planner& planner, const Request& request, GuideResult guided);
   /// The way back, or the part of it that can be taken; `left` is then what is left of the trail.
   [[nodiscard]] Outcome go_back(const Request& request, std::shared_ptr<const Trail>& left);
-  /// The quickest of the ways to rest.
+  /// The quickest way to rest on both feet.
   [[nodiscard]] Outcome stop(Planner& planner, const Request& request);
   /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
-  [[nodiscard]] Outcome catch_step(const Request& request);
+  [[nodiscard]] Outcome catch_step(const Request& request, const Catch& capture);
   /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
   [[nodiscard]] Outcome quickest(Planner& planner, const std::vector<Goal>& goals, const Request& request);
-  /// To rest at a rest on the trail.
-  [[nodiscard]] Outcome halt(const Request& request);
+  /// To a rest on the trail.
+  [[nodiscard]] Outcome halt(const Request& request, const Halt& rest);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
   /// @param against what speaks against the whole
   [[nodiscard]] std::optional<Motion> shrunk(Planner& planner, const Request& request, const Refusal& against);

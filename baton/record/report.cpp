@@ -200,7 +200,8 @@ void Report::track(const TickRecord& record) {
 void Report::add(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
   plan_.add(record.plan_us);
-  planned_by_ = record.request.command.recall == Recall::none ? command_ : -1;
+  const Intent& asked = record.request.intents.front();
+  planned_by_ = std::holds_alternative<Follow>(asked) || std::holds_alternative<Catch>(asked) ? command_ : -1;
 }
 
 nlohmann::json Report::json(const std::string& world, const std::string& on, long seed, double wall) {

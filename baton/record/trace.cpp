@@ -56,7 +56,7 @@ void Trace::add(const TickRecord& record) {
                  record.truth.touch.right);
   numbers(Vec2(record.truth.sole.left.force.z(), record.truth.sole.right.force.z()));
   numbers(nav.dcm_error());
-  fmt::format_to(to, ",{:d}\n", static_cast<int>(nav.intent()));
+  fmt::format_to(to, ",{:d}\n", static_cast<int>(nav.purpose()));
   out_.write(row.data(), static_cast<std::streamsize>(row.size()));
 }
 

@@ -48,7 +48,7 @@ int main() {
     }
     // After the targets are out: planning, here in the same thread; a program may use another.
     navigator.poll();
-    if (const auto request = navigator.request()) navigator.offer(planning.plan(*request));
+    if (const auto request = navigator.request()) navigator.answer(planning.plan(*request));
   }
   const double forward = body->qpos[0] - start.q[0];
   std::printf("%ld segments, %.3f m forward\n", navigator.committed(), forward);

@@ -43,7 +43,7 @@ class RefusalsTest : public testing::Test {
       Answer result = planning_.plan(*request);
       if (refuses_ways_back_ && request->command.recall != Recall::none)
         result.outcome = Refusal{Reason::self_collision, Part::left_hand, 0.001, 0.002, "arm and trunk"};
-      navigator_.offer(std::move(result));
+      navigator_.answer(std::move(result));
     }
     refusals_.look(navigator_);
   }

@@ -200,9 +200,9 @@ TEST(PlanningThread, AnswersAsPlanningDoes) {
   const World world = World::load("flat");
   Strategy planning(robot, world);
   Request request;
-  request.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  request.context.foothold = request.context.from.sole;
-  request.start = request.context.from;
+  request.start.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
+  request.start.context.foothold = request.start.context.from.sole;
+  request.start.posture = request.start.context.from;
   app::PlanningThread thread(robot, world, {});
   for (const double x : {1.0, -0.5, 0.0, 0.3}) {
     request.command.axes[0] = x;

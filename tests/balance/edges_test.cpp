@@ -55,7 +55,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
     }
     body.write(navigator.tick(body.read(), command));
     navigator.poll();
-    if (const auto request = navigator.request()) navigator.offer(planning.plan(*request));
+    if (const auto request = navigator.request()) navigator.answer(planning.plan(*request));
     if (body.truth().fallen) {
       ADD_FAILURE() << body.truth().fall << " at " << body.truth().t;
       break;

@@ -91,12 +91,12 @@ class FuzzedRun {
       for (const Event& event : tick.events) {
         const Answer& known = answers_[static_cast<std::size_t>(event.answer)];
         if (event.kind == PlanningEvent::offer) {
-          again.offer(known);
+          again.answer(known);
           continue;
         }
         const std::optional<Request> request = again.request();
         ASSERT_TRUE(request) << "tick " << again.now() << ": nothing is asked";
-        ASSERT_EQ(request->take_over, known.take_over);
+        ASSERT_EQ(request->at, known.at);
         const auto* motion = std::get_if<Motion>(&known.outcome);
         if (motion == nullptr || event.answer % 4 != 0) continue;
         const Answer planned = planning.plan(*request);
@@ -257,7 +257,7 @@ class FuzzedRun {
       ++tally_.refused;
     }
     answers_.push_back(std::move(answer));
-    halts_.push_back(request->halt.has_value());
+    halts_.push_back(std::holds_alternative<HaltAt>(request->intents.front()));
     // In time, late, or never.
     if (fate < 85 || fate >= 92) sent_.push_back({number, navigator_.now() + (fate >= 60 ? dice_.below(60) : 0)});
     deliver(tick);
@@ -271,7 +271,7 @@ class FuzzedRun {
         continue;
       }
       tick.events.push_back({PlanningEvent::offer, sent->answer});
-      navigator_.offer(answers_[static_cast<std::size_t>(sent->answer)]);
+      navigator_.answer(answers_[static_cast<std::size_t>(sent->answer)]);
       sent = sent_.erase(sent);
     }
   }
@@ -341,21 +341,21 @@ class FuzzedRun {
     ASSERT_EQ(navigator_.committed(), before.committed + 1) << k;
     ASSERT_EQ(guard, Guard::armed) << k;
     const auto answer =
-        std::find_if(answers_.rbegin(), answers_.rend(), [&](const Answer& result) { return result.take_over == k; });
+        std::find_if(answers_.rbegin(), answers_.rend(), [&](const Answer& result) { return result.at == k; });
     ASSERT_NE(answer, answers_.rend()) << k << ": nothing was planned for this tick";
     const auto number = static_cast<std::size_t>(std::distance(answer, answers_.rend())) - 1;
     const bool stops = answer->command.recall == Recall::stop || halts_[number];
-    const Intent intent = navigator_.intent();
-    ASSERT_EQ(intent == Intent::capture, answer->catches.has_value()) << k;
-    ASSERT_EQ(intent == Intent::stop, stops && !answer->catches) << k;
+    const Purpose purpose = navigator_.purpose();
+    ASSERT_EQ(purpose == Purpose::capture, answer->capture() != nullptr) << k;
+    ASSERT_EQ(purpose == Purpose::stop, stops && answer->capture() == nullptr) << k;
     Motion copy = *motion;
-    if (answer->catches) {
+    if (answer->capture() != nullptr) {
       ++tally_.catches;
     } else {
       ASSERT_TRUE(std::holds_alternative<Certificate>(verifier_.verify(copy, navigator_.anchor()))) << k;
       ++(stops ? tally_.stops : tally_.ordinary);
     }
-    if (stops || answer->catches) return;
+    if (stops || answer->capture() != nullptr) return;
     ASSERT_FALSE(stopped_since_ask_) << k << ": a stop was pressed since this was asked for";
     ASSERT_LE(navigator_.dcm_error().norm(), 0.02 * robot_.profile().stance.com_height) << k;
     ASSERT_FALSE(navigator_.disturbed()) << k;

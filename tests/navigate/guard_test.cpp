@@ -20,7 +20,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
       const JointTarget& target = trip_.navigator().tick(measurement, command);
       soft_ = target.tau.isZero(0.0) && target.dq.isZero(0.0) && target.q == measurement.q;
       trip_.navigator().poll();
-      if (const auto request = trip_.navigator().request()) trip_.navigator().offer(trip_.planning().plan(*request));
+      if (const auto request = trip_.navigator().request()) trip_.navigator().answer(trip_.planning().plan(*request));
     }
   }
   void tick(double seconds, const Command& command) {
@@ -125,8 +125,8 @@ TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
   navigator.poll();
   const std::optional<Request> request = navigator.request();
   ASSERT_TRUE(request);
-  navigator.offer(trip_.planning().plan(*request));
-  while (navigator.now() < request->take_over) {
+  navigator.answer(trip_.planning().plan(*request));
+  while (navigator.now() < request->at) {
     Measurement measurement = trip_.body().read();
     pushed()(measurement);
     navigator.tick(measurement, forward());
@@ -154,8 +154,8 @@ TEST_P(GuardTest, AWayBackThatASlipEndsWhileItIsPlannedIsNotTaken) {
   navigator.poll();
   const std::optional<Request> request = navigator.request();
   ASSERT_TRUE(request);
-  navigator.offer(trip.planning().plan(*request));
-  while (navigator.now() <= request->take_over) {
+  navigator.answer(trip.planning().plan(*request));
+  while (navigator.now() <= request->at) {
     Measurement measurement = trip.body().read();
     measurement.root->pose.p.x() += 0.4 * robot_.profile().reach.foot;
     navigator.tick(measurement, back);
@@ -175,12 +175,12 @@ TEST_P(GuardTest, NothingBeginsThatWasAskedForBeforeAStop) {
     navigator.poll();
     const std::optional<Request> request = navigator.request();
     ASSERT_TRUE(request);
-    navigator.offer(trip_.planning().plan(*request));
+    navigator.answer(trip_.planning().plan(*request));
     Command stop;
     stop.recall = Recall::stop;
     navigator.tick(trip_.body().read(), stop);
     navigator.poll();
-    while (navigator.now() < request->take_over)
+    while (navigator.now() < request->at)
       navigator.tick(trip_.body().read(), tapped ? forward() : stop);
     EXPECT_EQ(navigator.committed(), before);
   }

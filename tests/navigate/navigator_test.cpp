@@ -101,15 +101,15 @@ TEST_P(NavigatorTest, AnAnswerIsTakenOverAtItsTickOrDropped) {
     request = run.navigator().request();
   }
   ASSERT_TRUE(request.has_value());
-  EXPECT_EQ(request->take_over, run.navigator().now() + robot_.profile().tick.lookahead);
+  EXPECT_EQ(request->at, run.navigator().now() + robot_.profile().tick.lookahead);
   Answer late = run.planning().plan(*request);
   EXPECT_FALSE(run.navigator().request().has_value()) << "one request at a time";
   // It is not there at its tick: the robot goes on resting, and asks again.
-  while (run.navigator().now() < request->take_over) {
+  while (run.navigator().now() < request->at) {
     run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
   }
   EXPECT_EQ(run.navigator().phase(), Phase::hold);
-  run.navigator().offer(std::move(late));
+  run.navigator().answer(std::move(late));
   run.body().write(run.navigator().tick(run.body().read(), push(Part::trunk, 0)));
   EXPECT_EQ(run.navigator().committed(), 0) << "too late is dropped";
   run.step(push(Part::trunk, 0));
@@ -124,12 +124,12 @@ TEST_P(NavigatorTest, ARefusalIsGivenOnceAndGoesWithTheCommand) {
   for (int k = 0; k < 400; ++k)
     run.step(impossible);
   EXPECT_EQ(run.requests(), 1);
-  ASSERT_TRUE(run.navigator().refusal().has_value());
+  ASSERT_TRUE(run.navigator().refusal() != nullptr);
   EXPECT_EQ(run.navigator().refusal()->reason, Reason::foot_region);
   EXPECT_EQ(run.navigator().refusal()->part, Part::left_foot);
   EXPECT_LT(run.navigator().refusal()->value, run.navigator().refusal()->limit);
   run.step({});
-  EXPECT_FALSE(run.navigator().refusal().has_value());
+  EXPECT_FALSE(run.navigator().refusal() != nullptr);
   for (int k = 0; k < 100; ++k)
     run.step(push(Part::trunk, 0));
   EXPECT_GE(run.navigator().committed(), 1) << "the next command is served";
@@ -228,7 +228,7 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
         const std::size_t left = run.navigator().history();
         while (run.navigator().history() == left) {
           run.step(back);
-          ASSERT_FALSE(run.navigator().refusal().has_value()) << to_string(run.navigator().refusal()->reason);
+          ASSERT_FALSE(run.navigator().refusal() != nullptr) << to_string(run.navigator().refusal()->reason);
         }
         ASSERT_TRUE(run.navigator().motion()->retraces);
         const auto [place, attitude] = distance(run.navigator().motion()->end, rests.back());
@@ -241,7 +241,7 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
       for (int k = 0; k < 100; ++k)
         run.step(back);
       ASSERT_EQ(run.navigator().phase(), Phase::hold);
-      EXPECT_EQ(run.navigator().refusal().value_or(Refusal{}).reason, Reason::no_history);
+      EXPECT_EQ(run.navigator().refusal()->reason, Reason::no_history);
       const auto [place, attitude] = distance(posture_of(robot_, run.body().truth().q), run.home());
       EXPECT_LT(place, 0.005 * size);
       EXPECT_LT(attitude, 0.02);
@@ -267,11 +267,11 @@ TEST_P(NavigatorTest, AfterASlipTheWayBackIsForgotten) {
     run.navigator().poll();
     const std::optional<Request> request = run.navigator().request();
     ASSERT_TRUE(request.has_value());
-    EXPECT_EQ(request->trail != nullptr, share < 0.2);
+    EXPECT_EQ(request->start.trail != nullptr, share < 0.2);
     EXPECT_EQ(run.navigator().history(), share < 0.2 ? 3u : 0u);
     EXPECT_EQ(run.navigator().slips(), share < 0.2 ? 0 : 1);
     // In vain: the answer is withheld until its tick has passed.
-    while (run.navigator().now() <= request->take_over)
+    while (run.navigator().now() <= request->at)
       run.navigator().tick(slid, {});
   }
 }
@@ -287,7 +287,7 @@ TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAl
   int flights = 0;
   while (odometry.uncertainty() < past_an_edge) {
     run.step(push(Part::trunk, 0));
-    const double unsure = run.navigator().request_for({}).context.unsure;
+    const double unsure = run.navigator().request_for({}).start.context.unsure;
     const BySide<bool>& stands = run.navigator().sample().contact;
     if (stands.left && stands.right) {
       ASSERT_EQ(unsure, std::min(odometry.uncertainty(), 0.7 * past_an_edge));
@@ -303,7 +303,7 @@ TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAl
   Trip perfect(robot_, {}, "flat", StateSource::perfect);
   for (int k = 0; k < 1000; ++k)
     perfect.step(push(Part::trunk, 0));
-  EXPECT_EQ(perfect.navigator().request_for({}).context.unsure, 0.0);
+  EXPECT_EQ(perfect.navigator().request_for({}).start.context.unsure, 0.0);
 }
 
 TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
@@ -322,7 +322,7 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
         navigator.tick(measurement, step);
         const std::optional<Request> request = navigator.request();
         ASSERT_TRUE(request.has_value());
-        EXPECT_EQ(request->tilted.has_value(), angle > 0.1);
+        EXPECT_EQ(request->terrain.inclined.has_value(), angle > 0.1);
         const Answer result = planning.plan(*request);
         const auto* refusal = std::get_if<Refusal>(&result.outcome);
         const bool refused = angle > 0.1 && lifted != tilted;
@@ -348,7 +348,7 @@ TEST_P(NavigatorTest, WhereASoleStoodInclinedTheGroundCountsAsUnevenForAWhile) {
     navigator.tick(run.body().read(), push(Part::trunk, 0));
     const std::optional<Request> request = navigator.request();
     EXPECT_TRUE(request.has_value());
-    return request && request->uneven;
+    return request && request->terrain.uneven;
   };
   run.step({});
   EXPECT_FALSE(uneven_after(0.01, 0.0));
@@ -381,7 +381,7 @@ TEST_P(NavigatorTest, OnUnevenGroundTheZmpKeepsFartherInsideWhereItCan) {
       run.step({});
     Request request = run.navigator().request_for(anything(random));
     const Answer on_even = run.planning().plan(request);
-    request.uneven = true;
+    request.terrain.uneven = true;
     const Answer on_uneven = run.planning().plan(request);
     const auto* even = std::get_if<Motion>(&on_even.outcome);
     const auto* uneven = std::get_if<Motion>(&on_uneven.outcome);
@@ -399,23 +399,32 @@ TEST_P(NavigatorTest, WhereNoStepCatchesItWhatWasToBeDoneOtherwiseIsDone) {
   Trip run(robot_);
   run.step({});
   Request request = run.navigator().request_for({});
+  const double height = robot_.profile().stance.com_height;
   // From both feet, straight aside: the one that carries cannot step.
-  request.catches = Vec2(0.0, 0.2 * robot_.profile().stance.com_height);
-  EXPECT_TRUE(std::holds_alternative<std::monostate>(run.planning().plan(request).outcome));
-  request.otherwise = std::make_shared<const Request>(run.navigator().request_for(push(Part::trunk, 0)));
-  const Answer result = run.planning().plan(request);
-  ASSERT_TRUE(std::holds_alternative<Motion>(result.outcome));
-  EXPECT_EQ(result.command, request.otherwise->command);
-  EXPECT_FALSE(result.catches.has_value());
+  Catch capture{.by = {0.0, 0.2 * height}, .height = run.navigator().anchor().p.z()};
+  const auto planned = [&](const std::vector<Intent>& intents) {
+    request.intents = intents;
+    return run.planning().plan(request);
+  };
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(planned({capture}).outcome));
+  const Answer stays = planned({capture, Follow{}});
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(stays.outcome));  // nothing is asked for
+  EXPECT_TRUE(std::holds_alternative<Follow>(stays.intent));
+  request.command = push(Part::trunk, 0);
+  const Answer follows = planned({capture, Follow{}});
+  ASSERT_NE(follows.motion(), nullptr);
+  EXPECT_EQ(follows.command, request.command);
+  EXPECT_EQ(follows.capture(), nullptr);
   // If it is to fall else, the other foot steps.
-  request.beyond = 0.11 * robot_.profile().stance.com_height;
-  const Answer aside = run.planning().plan(request);
-  ASSERT_TRUE(aside.catches.has_value());
-  EXPECT_EQ(std::get<Motion>(aside.outcome).goal.swing, Side::right);
+  capture.dcm_excess = 0.11 * height;
+  const Answer aside = planned({capture, Follow{}});
+  ASSERT_NE(aside.capture(), nullptr);
+  EXPECT_EQ(aside.motion()->goal.swing, Side::right);
+  EXPECT_TRUE(aside.command.neutral());
   // Where one does, it is the answer.
-  request.beyond = 0.0;
-  request.catches = Vec2(0.2 * robot_.profile().stance.com_height, 0.0);
-  EXPECT_TRUE(run.planning().plan(request).catches.has_value());
+  capture.dcm_excess = 0.0;
+  capture.by = {0.2 * height, 0.0};
+  EXPECT_NE(planned({capture, Follow{}}).capture(), nullptr);
 }
 
 TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
@@ -432,7 +441,7 @@ TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
     for (int k = 0; k < 6000; ++k)
       run.step(home);
     ASSERT_EQ(run.navigator().phase(), Phase::hold);
-    ASSERT_FALSE(run.navigator().refusal().has_value()) << to_string(run.navigator().refusal()->reason);
+    ASSERT_FALSE(run.navigator().refusal() != nullptr) << to_string(run.navigator().refusal()->reason);
     // The same posture, somewhere else.
     const Posture now = posture_of(robot_, run.body().truth().q);
     const Pose moved{now.sole.left.p, rotation_z(now.heading())};
@@ -475,7 +484,7 @@ TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
           ASSERT_TRUE(motion->limit.has_value());
           EXPECT_EQ(motion->limit->reason, against->reason);
           ASSERT_FALSE(motion->certificate.margins.empty());
-          const Posture& from = request->context.from;
+          const Posture& from = request->start.context.from;
           if (command.guide != Part::trunk && motion->goal.guided == command.guide && command.lift.left == 0.0) {
             const Side side = side_of(command.guide);
             const bool is_step = is_foot(command.guide);
@@ -491,7 +500,7 @@ TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
           }
         }
       }
-      run.navigator().offer(result);
+      run.navigator().answer(result);
     }
   }
   EXPECT_GT(refused, 20);

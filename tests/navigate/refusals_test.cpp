@@ -48,9 +48,10 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
     Strategy planning(robot, world, {DurationRule::paper, OnLimit::discard});
     Request request;
     request.command = c.command;
-    request.context = test::at_home(robot);
+    request.intents = {intent_of(c.command)};
+    request.start.context = test::at_home(robot);
     c.change(request);
-    request.start = request.context.from;
+    request.start.posture = request.start.context.from;
     return planning.plan(request);
   }
 
@@ -122,7 +123,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         break;
       case Reason::inclined_sole:
         c.command = step;
-        c.change = [](Request& request) { request.tilted = {Side::right, 0.15}; };
+        c.change = [](Request& request) { request.terrain.inclined = {Side::right, 0.15}; };
         break;
       case Reason::zmp:
         p.margin.zmp_plan = p.stance.width;
@@ -168,7 +169,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
       case Reason::self_collision:
         c.command = push(Part::left_foot, 0, 0.3);
         c.change = [this](Request& request) {
-          request.context.from = with_an_arm_in_the_trunk(request.context.from.q);
+          request.start.context.from = with_an_arm_in_the_trunk(request.start.context.from.q);
         };
         break;
       case Reason::obstacle:
@@ -183,7 +184,7 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         break;
       case Reason::not_finite:
         c.command = push(Part::left_hand, 0);
-        c.change = [](Request& request) { request.context.from.hand.left.p.x() = std::nan(""); };
+        c.change = [](Request& request) { request.start.context.from.hand.left.p.x() = std::nan(""); };
         break;
     }
     return c;

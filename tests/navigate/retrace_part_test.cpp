@@ -52,8 +52,8 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     trip.step(walk);
   come_to_rest(trip);
   const Request request = trip.navigator().request_for(retrace());
-  ASSERT_TRUE(request.trail);
-  const double here = request.start.com.x();
+  ASSERT_TRUE(request.start.trail);
+  const double here = request.start.posture.com.x();
   ASSERT_GT(here, 0.8 * height_);
   const double stride = robot_.profile().region.foot_x.hi;
 
@@ -72,12 +72,12 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     }
     EXPECT_TRUE(motion->retraces);
     Motion copy = *motion;
-    EXPECT_TRUE(std::holds_alternative<Certificate>(Verifier(robot_, world).verify(copy, request.context.anchor)));
+    EXPECT_TRUE(std::holds_alternative<Certificate>(Verifier(robot_, world).verify(copy, request.start.context.anchor)));
     EXPECT_TRUE(motion->samples.front().dq.isZero(0.0) && motion->samples.back().dq.isZero(0.0));
     EXPECT_GE(motion->end.com.x(), end_before) << "more floor, and not so far";
     end_before = motion->end.com.x() - 1e-9;
     if (!motion->limit) {
-      EXPECT_EQ(motion->end.q, request.trail->start.q);
+      EXPECT_EQ(motion->end.q, request.start.trail->start.q);
       continue;
     }
     ++parts;
@@ -87,7 +87,7 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     // What is left of the way back goes on from there, to the bit.
     const Motion left = reversed(robot_, *result.trail);
     EXPECT_EQ(left.samples.front().q, motion->end.q);
-    EXPECT_EQ(left.end.q, request.trail->start.q);
+    EXPECT_EQ(left.end.q, request.start.trail->start.q);
     // Where commands are not done in part, it is refused.
     Strategy strict(robot_, world, {.on_limit = OnLimit::discard});
     EXPECT_TRUE(std::holds_alternative<Refusal>(strict.plan(request).outcome));
@@ -116,7 +116,7 @@ TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysK
   const auto step = [&](const Command& command, Strategy& planner) {
     trip.body().write(navigator.tick(trip.body().read(), command));
     navigator.poll();
-    if (const auto request = navigator.request()) navigator.offer(planner.plan(*request));
+    if (const auto request = navigator.request()) navigator.answer(planner.plan(*request));
   };
   // Again and again it is let go of on its way to the edge of the floor.
   for (int press = 0; press < 12; ++press) {

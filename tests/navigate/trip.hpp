@@ -31,7 +31,7 @@ class Trip {
     navigator_.poll();
     if (auto request = navigator_.request()) {
       ++requests_;
-      if (answer) navigator_.offer(planning_.plan(*request));
+      if (answer) navigator_.answer(planning_.plan(*request));
     }
     return target;
   }

@@ -1,0 +1,365 @@
+#include "baton/navigate/due.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "baton/ik/moving.hpp"
+#include "baton/navigate/drift.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kSameHold = 1e-3;      ///< displacement that makes another place of it, after a refusal [m]
+constexpr double kReplacing = 0.1;      ///< time between two replacements of a motion on its way [s]
+constexpr double kSlip = 0.2;           ///< displacement of the soles at which a way back is ended [reach of a foot]
+constexpr double kNearEdges = 2.0;      ///< distance of edges that soles may meet [largest distance of the feet]
+constexpr double kSlipByEdges = 0.5;    ///< displacement there at which a way back is ended [margin to edges]
+constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capture step leaves
+constexpr double kLacks = 0.02;         ///< ZMP that the ground does not give, and that does not count [COM height]
+constexpr double kLeastCapture = 0.15;  ///< least length of a capture step: the push may go on [COM height]
+constexpr double kFarther = 1.5;        ///< a capture step under way is replaced by one so many times as long
+
+bool both_stand(const BySide<bool>& contact) {
+  return contact.left && contact.right;
+}
+
+/// The requests that there may be in one situation.
+class Requests {
+ public:
+  explicit Requests(const Situation& now)
+      : now_(now), profile_(now.robot.profile()), course_(now.course), motion_(now.course.motion()) {}
+
+  [[nodiscard]] std::optional<Request> due() const;
+  [[nodiscard]] Request from_rest(const Command& command) const;
+
+ private:
+  /// To replace the motion under way at its sample `at`: what all such requests have in common.
+  [[nodiscard]] Request replacing(int at) const;
+  /// By what the stick asks for.
+  [[nodiscard]] Request on_the_way(int at) const;
+  /// By anything that ends it: a foot in the air can only land.
+  [[nodiscard]] Request ending(int at) const;
+  /// By rest, if it does not end in one that is as near.
+  [[nodiscard]] std::optional<Request> stopping(int at) const;
+  /// By rest on both feet, before the foot leaves the ground.
+  [[nodiscard]] std::optional<Request> staying(int at) const;
+  /// By a capture step, if no shift of the ZMP can hold the DCM.
+  [[nodiscard]] std::optional<Request> catching() const;
+
+  [[nodiscard]] bool replaceable(int at) const;
+  /// Whether soles slid farther on a way back than its margins allow.
+  [[nodiscard]] bool slid_too_far() const;
+  /// Whether the ground has edges where the robot is.
+  [[nodiscard]] bool edges_near() const;
+  /// The foot that is in the air at a sample, if one is.
+  [[nodiscard]] std::optional<Flight> flight(int at) const;
+  /// Whether the foot that swings in this motion is in its first phase there: it has not left the ground, or not
+  /// landed.
+  [[nodiscard]] bool swings_later(int at) const;
+  /// The foot that is about to leave the ground at a sample, if one is.
+  [[nodiscard]] std::optional<LiftOff> lift_off(int at) const;
+  /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
+  [[nodiscard]] std::optional<Halt> halt_from(int at) const;
+  /// What goals are relative to where the robot rests next.
+  [[nodiscard]] GuideContext context_at_rest() const;
+  /// Whether what was refused would be refused again.
+  [[nodiscard]] bool refused_here(const Pose& anchor) const;
+
+  const Situation& now_;
+  const Profile& profile_;
+  const Course& course_;
+  const Motion* motion_;
+};
+
+std::optional<Request> Requests::due() const {
+  const int at = course_.index() + profile_.tick.lookahead;
+  const bool on_the_way = motion_ != nullptr && at < motion_->ticks();
+  const Command& command = now_.command;
+  const bool disturbed = now_.watch.disturbed();
+  const bool ends_back = on_the_way && course_.is<Retracing>() && (command.neutral() || disturbed || slid_too_far());
+  const bool stops = command.recall == Recall::stop || ends_back;
+  const std::optional<Terrain::Inclined> inclined = now_.watch.inclined_sole(course_.sample());
+  const bool leaves_inclined = inclined && motion_ != nullptr && motion_->goal.swing == other(inclined->side);
+  // Pushed, or about to stand on an edge alone: the motion under way ends at rest, and the robot stays there.
+  std::optional<Request> due = disturbed ? catching() : std::nullopt;
+  const bool catches = due.has_value();
+  std::optional<Request> stays;
+  if ((disturbed || leaves_inclined) && on_the_way && !stops) stays = staying(at);
+  if (due && stays) due->intents.emplace_back(Stop{});
+  if (!due) due.swap(stays);
+  if (due || (disturbed && !stops)) {
+    // A capture step, a foot that stays down, or nothing.
+  } else if (on_the_way) {
+    if (stops) due = stopping(at);
+    if (!stops && replaceable(at)) due = this->on_the_way(at);
+  } else if (!both_stand(course_.rest().contact) || (!stops && !command.neutral())) {
+    due = from_rest(command);
+  }
+  if (!due || (!catches && refused_here(due->start.context.anchor))) return std::nullopt;
+  due->terrain = {inclined, now_.watch.uneven()};
+  return due;
+}
+
+bool Requests::refused_here(const Pose& anchor) const {
+  if (motion_ != nullptr) return false;
+  const LastRefusal& refused = now_.refused;
+  const bool same_place = distance_at(anchor, refused.anchor, course_.sample().com) < kSameHold;
+  return (refused.refusal && refused.at_rest && same_place) || now_.tick < refused.retry_at;
+}
+
+Request Requests::from_rest(const Command& command) const {
+  Request request{now_.tick + (static_cast<long>(profile_.tick.lookahead) << now_.exchange.late),
+                  command,
+                  {course_.rest(), context_at_rest(), now_.history.newest()},
+                  {},
+                  {intent_of(command)}};
+  request.start.context.back = drift_correction(now_.robot, request.start.context, command);
+  return request;
+}
+
+Request Requests::replacing(int at) const {
+  const auto sample = motion_->samples.begin() + at;
+  // The motion to a rest on the way back is on no trail.
+  Request request{
+      now_.tick + profile_.tick.lookahead,
+      now_.command,
+      {passing(now_.robot, *sample), context_at_rest(), course_.is<Halting>() ? nullptr : now_.history.newest(), at}};
+  if (at > 0) request.start.posture.contact_before = std::prev(sample)->contact;
+  return request;
+}
+
+Request Requests::on_the_way(int at) const {
+  const Goal& goal = motion_->goal;
+  const Answer& answer = *course_.answer();
+  const int last_phase = motion_->last_phase();
+  const bool both_end = both_stand(goal.contact);
+  Request request = replacing(at);
+  Posture& start = request.start.posture;
+  GuideContext& context = request.start.context;
+  const Part guided = now_.command.guide;
+  // A lever that moves while the stick is centred changes how high the foot is, not where it goes.
+  if (now_.command.axes.isZero(0.0) && guided == answer.command.guide) request.command.axes = answer.command.axes;
+  context.goes_on = guided == answer.command.guide && !answer.command.axes.isZero(0.0);
+  context.back = drift_correction(now_.robot, context, request.command);
+
+  start.flight = flight(at);
+  start.lift_off = lift_off(at);
+  // Once a foot is up that stays up, all that is left is its way through the air.
+  const bool several = motion_->phases.size() > 1 && (at < last_phase || both_end);
+  if (several && at >= last_phase && both_end) return request;  // on from the rest that the step leads to
+  if (several) {
+    // The same step again, to another goal.
+    const Pose anchor = context.anchor;
+    const bool goes_on = context.goes_on;
+    context = answer.context;
+    context.anchor = anchor;
+    context.goes_on = goes_on;
+    const int joints = now_.robot.nv() - 6;
+    context.from.q.tail(joints) = motion_->end.q.tail(joints);
+    if (start.flight && both_stand(context.from.contact)) {
+      const Side up = start.flight->side;
+      context.step = {up, goal.contact[up] ? goal.sole[up] : context.from.sole[up]};
+    }
+  }
+  // The guided part goes on from where it is; a foot, from where it began to move.
+  Posture& from = context.from;
+  if (guided == Part::trunk) {
+    from.com = start.com;
+    from.trunk = start.trunk;
+  } else if (is_hand(guided)) {
+    from.hand[side_of(guided)] = start.hand[side_of(guided)];
+    from.shoulder[side_of(guided)] = start.shoulder[side_of(guided)];
+  } else if (!several) {
+    from.sole[side_of(guided)] = start.sole[side_of(guided)];
+  }
+  return request;
+}
+
+Request Requests::ending(int at) const {
+  Request request = replacing(at);
+  Posture& start = request.start.posture;
+  GuideContext& context = request.start.context;
+  start.flight = flight(at);
+  start.lift_off = lift_off(at);
+  const Goal& goal = motion_->goal;
+  const GuideContext& base = course_.answer()->context;
+  if (goal.swing && at < motion_->last_phase()) {  // the step is not done
+    context.last_step = base.last_step;
+    context.foothold = base.foothold;
+  }
+  if (start.flight) {
+    const Side up = start.flight->side;
+    context.step = {up, goal.contact[up] ? goal.sole[up] : base.foothold[up]};
+  }
+  context.from = start;
+  request.intents = {Stop{}};
+  return request;
+}
+
+std::optional<Request> Requests::stopping(int at) const {
+  if (course_.is<Retracing>()) {
+    const std::optional<Halt> halt = halt_from(at);
+    if (!halt) return std::nullopt;
+    Request request = replacing(at);
+    request.start.trail = std::get<Retracing>(course_.state()).trail;
+    request.intents = {HaltAt{*halt}};
+    return request;
+  }
+  const Exchange& exchange = now_.exchange;
+  const bool asked = exchange.for_stop && now_.tick < exchange.asked_at + std::lround(kReplacing / motion_->period);
+  if (course_.is<Halting>() || course_.is<Stopping>() || asked) return std::nullopt;
+  return ending(at);
+}
+
+std::optional<Request> Requests::staying(int at) const {
+  if (!swings_later(at) || course_.is<Retracing>() || course_.is<Catching>()) return std::nullopt;
+  return ending(at);
+}
+
+std::optional<Request> Requests::catching() const {
+  const MotionSample& sample = course_.sample();
+  const Pose& anchor = course_.anchor();
+  const Vec2& world_error = now_.watch.dcm_error();
+  const Vec2 error = (anchor.R.transpose() * Vec3(world_error.x(), world_error.y(), 0)).head<2>();
+  // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
+  const double size = error.norm();
+  const Vec2 holds = sample.zmp + (1.0 + kReserve) * error;
+  const auto along = [&](const Vec2& v) { return v.dot(error) / size; };
+  double room = std::max(0.0, along(sample.zmp_region->nearest(holds) - sample.zmp));
+  // Soles that stand on edges do not take the ZMP where they should.
+  const double lacks = along(now_.correction.lacks) - kLacks * profile_.stance.com_height;
+  if (lacks > 0.0) room = std::clamp(along(now_.correction.zmp - sample.zmp) - lacks, 0.0, room);
+  if (sample.zmp_region->margin(holds) >= 0.0 && room >= size) return std::nullopt;
+
+  const int lookahead = profile_.tick.lookahead;
+  const double swing = profile_.phases.flow[1] * profile_.duration.first;
+  double lands_in = swing;  // after the take-over
+  if (both_stand(course_.rest().contact)) lands_in += profile_.phases.flow[0] * profile_.duration.first;
+  Request request;
+  Catch capture;
+  const Catch* under_way = nullptr;
+  if (motion_ != nullptr) {
+    const int at = course_.index() + lookahead;
+    if (course_.is<Retracing>() || at >= motion_->ticks()) return std::nullopt;
+    request = ending(at);
+    if (at < motion_->last_phase()) under_way = course_.answer()->capture();
+    const Posture& start = request.start.posture;
+    if (start.flight) {
+      lands_in = start.flight->left;
+    } else if (start.lift_off) {
+      lands_in = start.lift_off->left + swing;
+    }
+    lands_in += lookahead * profile_.tick.period;
+    if (start.flight) capture.lands_in = lands_in;
+  } else {
+    request = from_rest(Command{.guide = now_.command.guide});
+    lands_in += lookahead * profile_.tick.period;
+  }
+  // Until the foot lands, the part of the error that no ZMP holds grows.
+  const double excess = std::max(0.0, size - room);
+  const double least = std::max(size, kLeastCapture * profile_.stance.com_height);
+  const double then =
+      std::min(least + excess * (std::exp(now_.robot.omega() * lands_in) - 1.0), profile_.region.foot_x.hi);
+  if (under_way != nullptr && then < kFarther * under_way->by.norm()) return std::nullopt;
+  capture.by = then / size * error;
+  capture.dcm_excess = excess;
+  capture.height = anchor.p.z();
+  if (under_way != nullptr) {
+    capture.gain = along(under_way->by);
+    if (request.start.posture.flight) capture.moved = under_way->by;
+  }
+  request.intents = {capture};
+  return request;
+}
+
+bool Requests::replaceable(int at) const {
+  const Command& command = now_.command;
+  if (now_.gait == Gait::stop || course_.is<Retracing>() || course_.is<Halting>() || command.recall != Recall::none ||
+      command.neutral())
+    return false;
+  const Goal& goal = motion_->goal;
+  const int last_phase = motion_->last_phase();
+  const bool swings = motion_->phases.size() > 1 && goal.swing;
+  const bool lands = swings && goal.contact[*goal.swing];
+  // A held stick goes on from where a foot has landed; with no foot to land, from halfway through the last phase.
+  const bool foot_again = is_foot(command.guide) && !differs(command, course_.answer()->command);
+  const int goes_on = !lands ? (last_phase + motion_->ticks()) / 2 : (foot_again ? motion_->ticks() : last_phase);
+  if (at == goes_on && !command.axes.isZero(0.0)) return true;
+  if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period)) return false;
+  const int lift_off = motion_->phases.front().ticks;
+  const int change = at < lift_off ? lift_off : last_phase;
+  if (swings && at < change && (change - at) * profile_.tick.period < kLeastFlight) return false;
+  // A stick that is let go of, a lever as it was: what is under way serves.
+  if (command.axes.isZero(0.0) && !lever_moved(command, now_.exchange.answered)) return false;
+  return at > goes_on || differs(command, now_.exchange.answered);
+}
+
+bool Requests::slid_too_far() const {
+  const double most = edges_near() ? kSlipByEdges * profile_.margin.edge : kSlip * profile_.reach.foot;
+  return distance_at(course_.anchor(), course_.answer()->context.anchor, course_.sample().com) > most;
+}
+
+bool Requests::edges_near() const {
+  const std::optional<GroundPoint> ground = now_.world.ground((course_.anchor() * course_.sample().com).head<2>());
+  return !ground || ground->edge < kNearEdges * profile_.region.foot_lateral.hi;
+}
+
+std::optional<Flight> Requests::flight(int at) const {
+  const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
+  if (both_stand(sample.contact)) return std::nullopt;
+  const double period = profile_.tick.period;
+  const Side up = sample.contact.left ? Side::right : Side::left;
+  const int arrives = motion_->goal.contact[up] ? motion_->last_phase() : motion_->ticks();
+  const double left = std::max((arrives - at) * period, kLeastFlight);
+  return Flight{up, motion_->lift_off, left, motion_->apex_t - at * period, motion_->apex};
+}
+
+bool Requests::swings_later(int at) const {
+  return motion_->goal.swing && motion_->phases.size() > 1 && at < motion_->phases.front().ticks;
+}
+
+std::optional<LiftOff> Requests::lift_off(int at) const {
+  const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
+  if (!both_stand(sample.contact) || !swings_later(at)) return std::nullopt;
+  return LiftOff{*motion_->goal.swing, (motion_->phases.front().ticks - at) * motion_->period};
+}
+
+std::optional<Halt> Requests::halt_from(int at) const {
+  const std::shared_ptr<const Trail>& trail = std::get<Retracing>(course_.state()).trail;
+  if (!trail) return std::nullopt;
+  const int leaves = motion_->leaves.value_or(motion_->ticks());
+  const std::vector<Halt> rests = halts(*trail);
+  const auto next = std::find_if(rests.begin(), rests.end(),
+                                 [&](const Halt& rest) { return rest.passed > at && rest.passed <= leaves; });
+  const auto sample = motion_->samples.begin();
+  if (next == rests.end() ||
+      !std::all_of(sample + at, sample + next->passed, [](const MotionSample& s) { return both_stand(s.contact); }))
+    return std::nullopt;
+  return *next;
+}
+
+GuideContext Requests::context_at_rest() const {
+  const Pose anchor = course_.anchor() * now_.watch.slid(course_.sample());
+  GuideContext context{course_.rest(), anchor, course_.last_step(), course_.foothold()};
+  if (motion_ != nullptr) course_.note_steps(context.last_step, context.foothold);
+  context.way = course_.slip_free_frame();
+  // With a foot in the air it stays what that was to land with.
+  context.unsure = both_stand(course_.sample().contact)
+                       ? bounded_uncertainty(now_.robot, now_.watch.odometry().uncertainty())
+                       : course_.uncertainty();
+  return context;
+}
+
+}  // namespace
+
+std::optional<Request> due(const Situation& now) {
+  return Requests(now).due();
+}
+
+Request request_from_rest(const Situation& now, const Command& command) {
+  return Requests(now).from_rest(command);
+}
+
+}  // namespace baton

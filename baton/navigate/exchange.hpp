@@ -1,0 +1,33 @@
+/// The exchange with the planner: what was asked, what is awaited, and what was refused.
+#pragma once
+
+#include <memory>
+
+#include "baton/plan/request.hpp"
+
+namespace baton {
+
+/// The newest request and its answer.
+struct Exchange {
+  long asked_at = 0;                       ///< tick of the newest request; 0: ask again at once
+  long take_over = 0;                      ///< tick for which it was asked
+  bool awaited = false;                    ///< its answer is
+  bool for_stop = false;                   ///< it asked to come to rest
+  bool countered = false;                  ///< a stop was pressed since it was asked
+  std::shared_ptr<const Answer> answer{};  ///< its answer, once it is there
+  /// The command that was answered last since the motion under way began.
+  Command answered;
+  long dropped = 0;  ///< requests whose answer was not there at the take-over
+  int late = 0;      ///< of them, in a row
+};
+
+/// The newest refusal.
+struct LastRefusal {
+  std::shared_ptr<const Refusal> refusal{};  ///< while the command still stands; else null
+  Command command;                           ///< that it answers
+  Pose anchor;                               ///< planning frame then
+  bool at_rest = false;
+  long retry_at = 0;  ///< earliest tick of the next request from rest
+};
+
+}  // namespace baton

@@ -1,0 +1,154 @@
+#include "baton/navigate/watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace baton {
+namespace {
+
+constexpr double kDisturbed = 0.02;    ///< error of the DCM from which nothing new is begun [COM height]
+constexpr double kRecovered = 0.01;    ///< error below which the robot is no longer disturbed [COM height]
+constexpr double kSlip = 0.2;          ///< displacement of the soles that is a slip [reach of a foot]
+constexpr double kSinks = 4e-3;        ///< difference of heights that is how soles sink [COM height]
+constexpr double kFallenTilt = 0.8;    ///< inclination of the trunk from which a fall is certain [rad]
+constexpr double kFallenHeight = 0.5;  ///< height of the COM below which it is [nominal]
+constexpr double kLifted = 0.1;        ///< load of the soles below which the robot is held by someone [weight]
+constexpr double kStands = 0.5;        ///< load from which it stands again [weight]
+constexpr double kLifting = 0.15;      ///< time for which that has to last [s]
+constexpr double kStill = 1.0;         ///< time for which a robot that was stood up has to be still [s]
+constexpr double kStillSpeed = 0.1;    ///< and its COM slower than this [COM heights/s]
+constexpr double kCarries = 0.2;       ///< load of a sole that carries [weight]
+constexpr double kUneven = 0.015;      ///< inclination from which the ground is not what the map says [rad]
+constexpr double kForgets = 10.0;      ///< time constant with which that is forgotten [s]
+
+}  // namespace
+
+Watch::Watch(const RobotModel& robot, const World& world, StateSource source, const Posture& start)
+    : robot_(&robot), odometry_(robot, world, source, start), estimator_(robot) {}
+
+void Watch::estimate(const Measurement& measurement, const MotionSample& planned, const Pose& anchor) {
+  measured_ = &odometry_.update(measurement, planned);
+  state_ = &estimator_.update(*measured_, anchor);
+}
+
+void Watch::change_frame(const MotionSample& planned, const Pose& anchor) {
+  state_ = &estimator_.update(*measured_, anchor);
+  update_slip(planned, anchor);
+}
+
+void Watch::judge(const MotionSample& planned, const Pose& anchor, bool centred) {
+  update_guard(centred);
+  if (soft()) return;
+  update_disturbed(planned, anchor);
+  update_slip(planned, anchor);
+  update_inclination(planned);
+}
+
+void Watch::update_guard(bool centred) {
+  const double height = robot_->profile().stance.com_height;
+  const BySide<double>& load = odometry_.load();
+  const double carried = (load.left + load.right) / (robot_->mass() * kGravity);
+  const double lower = std::min(state_->sole.left.p.z(), state_->sole.right.p.z());
+  const auto lasts = [this](bool condition, double seconds) {
+    guard_ticks_ = condition ? guard_ticks_ + 1 : 0;
+    return guard_ticks_ * robot_->profile().tick.period >= seconds;
+  };
+  switch (guard_) {
+    case Guard::armed:
+      if (tilt_of(state_->trunk) > kFallenTilt || state_->com.z() - lower < kFallenHeight * height) return fall();
+      if (lasts(carried < kLifted, kLifting)) guard_ = Guard::lifted;
+      break;
+    case Guard::lifted:
+      if (lasts(carried > kStands && centred, kLifting)) guard_ = Guard::armed;
+      break;
+    case Guard::fallen:
+      if (lasts(stands_upright(), kStill)) guard_ = Guard::stood_up;
+      break;
+    case Guard::stood_up:
+      if (!stands_upright()) guard_ = Guard::fallen;
+      break;
+  }
+}
+
+void Watch::fall() {
+  guard_ = Guard::fallen;
+  guard_ticks_ = 0;
+  disturbed_ = slip_.now = slip_.found = false;
+  dcm_error_.setZero();
+}
+
+void Watch::arm() {
+  guard_ = Guard::armed;
+  inclination_ = 0.0;
+}
+
+void Watch::update_disturbed(const MotionSample& planned, const Pose& anchor) {
+  const double omega = robot_->omega();
+  const Vec3 error = state_->dcm(omega) - slid(planned) * Vec3(planned.com + planned.dcom / omega);
+  dcm_error_ = (anchor.R * error).head<2>();
+  disturbed_ = dcm_error_.norm() > (disturbed_ ? kRecovered : kDisturbed) * robot_->profile().stance.com_height;
+}
+
+void Watch::update_slip(const MotionSample& planned, const Pose& anchor) {
+  slip_.found = false;
+  for (const Side side : kSides) {
+    if (planned.contact[side] && !odometry_.touch()[side]) return;  // only what stands can slide
+  }
+  const double distance = distance_at(anchor * slid(planned), anchor, planned.com);
+  const bool slipped = distance > kSlip * robot_->profile().reach.foot;
+  if (slipped && !slip_.now) ++slip_.count;
+  slip_.now = slip_.found = slipped;
+  if (slipped) slip_.distance = distance;
+}
+
+void Watch::update_inclination(const MotionSample& planned) {
+  inclination_ *= 1.0 - robot_->profile().tick.period / kForgets;
+  const double carries = kCarries * robot_->mass() * kGravity;
+  for (const Side side : kSides) {
+    if (!planned.contact[side] || odometry_.load()[side] < carries) continue;
+    inclination_ = std::max(inclination_, tilt_of(planned.sole[side].R.transpose() * state_->sole[side].R));
+  }
+}
+
+bool Watch::uneven() const {
+  return inclination_ > kUneven;
+}
+
+Pose Watch::slid(const MotionSample& planned) const {
+  Pose slid = anchor_correction(planned.sole, state_->sole, planned.contact);
+  // A frame that followed how soles sink would bring every next step down by that: ways back would end in the air.
+  const double most = kSinks * robot_->profile().stance.com_height;
+  slid.p.z() -= std::clamp(slid.p.z(), -most, most);
+  return slid;
+}
+
+std::optional<Terrain::Inclined> Watch::inclined_sole(const MotionSample& planned) const {
+  if (!planned.contact.left || !planned.contact.right) return std::nullopt;
+  BySide<double> angle;
+  for (const Side side : kSides) {
+    const Mat3 turned = planned.sole[side].R.transpose() * state_->sole[side].R;
+    angle[side] = odometry_.touch()[side] ? tilt_of(turned) : 0.0;
+  }
+  const Side side = angle.left > angle.right ? Side::left : Side::right;
+  if (angle[side] <= kFlatSole) return std::nullopt;
+  return Terrain::Inclined{side, angle[side]};
+}
+
+bool Watch::stands_upright() const {
+  const Profile& profile = robot_->profile();
+  const double weight = robot_->mass() * kGravity;
+  bool stands = tilt_of(state_->trunk) < profile.region.trunk_inclination &&
+                state_->dcom.norm() < kStillSpeed * profile.stance.com_height;
+  for (const Side side : kSides)
+    stands = stands && odometry_.load()[side] > kCarries * weight && tilt_of(state_->sole[side].R) < kFlatSole;
+  return stands;
+}
+
+bool Watch::supported() const {
+  const BySide<bool> both{true, true};
+  const ConvexPolygon support =
+      support_polygon(*robot_, state_->sole, both, state_->com, support_plane(state_->sole, both));
+  return support.margin(state_->com.head<2>()) > robot_->profile().margin.stand_on;
+}
+
+}  // namespace baton
