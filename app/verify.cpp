@@ -19,7 +19,7 @@ int verify(const VerifyOptions& o) {
   const World world = o.world ? World::load(*o.world) : named_in(named, [&] { return World::load(place.world); });
   Motion motion = read_motion(o.motion, robot);
   Verifier verifier(robot, world);
-  const auto verdict = verifier.verify(motion, place.anchor);
+  const auto verdict = verifier.verify(motion, place.anchor, Limits::normal(robot.profile()));
   nlohmann::json result = {{"robot", robot.profile().name}, {"world", world.name()}, {"T", motion.duration()}};
   const auto* certificate = std::get_if<Certificate>(&verdict);
   result["verified"] = certificate != nullptr;

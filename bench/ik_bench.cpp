@@ -39,7 +39,7 @@ Rows bench_ik(const Options& /*unused*/) {
       const Posture& from = segment_record.from;
       const Motion& motion = segment_record.motion;
       if ((row == &reach) != (motion.goal.guided == Part::left_hand)) continue;
-      const Segment segment(robot, from, motion.goal, part_rates(kinematics, from));
+      const Segment segment(robot, from, motion.goal, Limits::normal(robot.profile()), part_rates(kinematics, from));
       Timing timing{motion.period, {0}};
       for (const ContactPhase& phase : motion.phases)
         timing.border.push_back(timing.border.back() + phase.ticks);

@@ -11,6 +11,7 @@ namespace baton::bench {
 Rows bench_segment(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
+  const Limits limits = Limits::normal(robot.profile());
   Rows rows;
   for (const DurationRule rule : {DurationRule::paper, DurationRule::search}) {
     const std::string name = rule == DurationRule::paper ? "paper's rule" : "search";
@@ -28,7 +29,7 @@ Rows bench_segment(const Options& /*unused*/) {
         request.values.push_back(record.plan_us);
         const GuideContext& context = record.request.context;
         std::optional<PlanResult> again;
-        time(segment, [&] { again = planner.plan(record.request.start, motion->goal, context.anchor); });
+        time(segment, [&] { again = planner.plan(record.request.start, motion->goal, context.anchor, limits); });
         T += std::get<Motion>(*again).duration();
         tried += std::get<Motion>(*again).durations_tried;
       };

@@ -74,15 +74,16 @@ Motion joined(const Motion& backwards, int ticks, Motion end) {
 Planner::Planner(const RobotModel& robot, const World& world, DurationRule rule)
     : robot_(&robot), rule_(rule), ik_(robot), coarse_(robot, kCoarse), kinematics_(robot), verifier_(robot, world) {}
 
-PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor, DurationRule rule) {
+PlanResult Planner::plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits,
+                         DurationRule rule) {
   if (!goal.com.allFinite() || !goal.trunk.allFinite()) return Refusal{Reason::not_finite, goal.guided, 0, 0, ""};
-  const Segment segment(*robot_, from, goal, part_rates(kinematics_, from));
+  const Segment segment(*robot_, from, goal, limits, part_rates(kinematics_, from));
   Motion motion;
   motion.period = robot_->profile().tick.period;
   motion.goal = goal;
   motion.contact_before = from.contact_before;
   if (goal.swing) motion.lift_off = from.flight ? from.flight->from : from.sole[*goal.swing];
-  Task task{segment, from, anchor};
+  Task task{segment, anchor};
   return rule == DurationRule::paper ? by_paper(task, std::move(motion)) : by_search(task, std::move(motion));
 }
 
@@ -132,7 +133,8 @@ PlanResult Planner::by_search(Task& task, Motion motion) {
   const Profile& profile = robot_->profile();
   const auto in_ticks = [&](double t) { return static_cast<int>(std::lround(t / motion.period)); };
   const int longest = in_ticks(profile.duration.max);
-  const double swing_time = task.from.flight ? task.from.flight->left : profile.swing.time;
+  const std::optional<Flight>& flight = task.segment.from().flight;
+  const double swing_time = flight ? flight->left : task.segment.limits().swing_time;
   const int least_swing = static_cast<int>(std::ceil(swing_time / motion.period - 1e-9));
   const ComProblem& com = task.segment.com();
   // The shortest that the point mass can do, but nothing that is over sooner than a swing.
@@ -187,13 +189,14 @@ PlanResult Planner::by_search(Task& task, Motion motion) {
   return failure->refusal;
 }
 
-PlanResult Planner::retrace(const Trail& trail, const Pose& anchor) {
+PlanResult Planner::retrace(const Trail& trail, const Pose& anchor, const Limits& limits) {
   Motion motion = reversed(*robot_, trail);
-  if (std::optional<Refusal> refusal = certify(motion, anchor)) return *std::move(refusal);
+  if (std::optional<Refusal> refusal = certify(motion, anchor, limits)) return *std::move(refusal);
   return motion;
 }
 
-PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor) {
+PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor,
+                         const Limits& limits) {
   const Trail::Piece& piece = trail.pieces[halt.piece];
   const Trail::Point& there = piece.points->back();
   Goal goal;
@@ -202,7 +205,7 @@ PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& ha
   goal.com = there.com;
   goal.trunk = posture_of(*robot_, there.q).trunk;
   goal.arms = there.q.tail(robot_->nv() - 6);
-  PlanResult planned = plan(from, goal, anchor, DurationRule::search);
+  PlanResult planned = plan(from, goal, anchor, limits, DurationRule::search);
   auto* motion = std::get_if<Motion>(&planned);
   if (motion == nullptr) return planned;
   VecX off(robot_->nv());
@@ -214,11 +217,12 @@ PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& ha
     integrate(*robot_, motion->samples[static_cast<std::size_t>(k)].q, off, smooth_step(k, motion->ticks()).x);
   motion->samples.back().q = motion->end.q = there.q;
   differentiate(*robot_, *motion);
-  if (std::optional<Refusal> refusal = certify(*motion, anchor)) return *std::move(refusal);
+  if (std::optional<Refusal> refusal = certify(*motion, anchor, limits)) return *std::move(refusal);
   return planned;
 }
 
-std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, const Pose& anchor, Refusal against) {
+std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, const Pose& anchor, const Limits& limits,
+                                                        Refusal against) {
   Motion whole = reversed(*robot_, trail);
   const auto both_stand = [&](int k) {
     const MotionSample& sample = whole.samples[static_cast<std::size_t>(k)];
@@ -241,13 +245,13 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
       kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
       Posture from = passing(*robot_, sample);
       if (leaves > 0) from.contact_before = whole.samples[static_cast<std::size_t>(leaves) - 1].contact;
-      PlanResult planned = halt(from, trail, *rest, anchor);
+      PlanResult planned = halt(from, trail, *rest, anchor, limits);
       auto* end = std::get_if<Motion>(&planned);
       if (end == nullptr) continue;
       if (verified++ == kPartsVerified) return std::nullopt;
       Motion part = joined(whole, leaves, *std::move(end));
       differentiate(*robot_, part);
-      if (const std::optional<Refusal> refusal = certify(part, anchor)) {
+      if (const std::optional<Refusal> refusal = certify(part, anchor, limits)) {
         if (refusal->t < leaves * whole.period) until = std::min(until, refusal->t);
         continue;
       }
@@ -258,8 +262,8 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
   return std::nullopt;
 }
 
-std::optional<Refusal> Planner::certify(Motion& motion, const Pose& anchor) {
-  auto verdict = verifier_.verify(motion, anchor);
+std::optional<Refusal> Planner::certify(Motion& motion, const Pose& anchor, const Limits& limits) {
+  auto verdict = verifier_.verify(motion, anchor, limits);
   if (auto* refusal = std::get_if<Refusal>(&verdict)) return std::move(*refusal);
   motion.certificate = std::get<Certificate>(std::move(verdict));
   motion.rest = resting(*robot_, motion.end);
@@ -297,13 +301,15 @@ std::optional<Planner::Failure> Planner::finish(Task& task, const Timing& timing
   motion.apex_t = apex.x();
   motion.apex = apex.y();
   std::optional<Refusal> refusal = realise(task, timing, motion);
-  if (!refusal) refusal = certify(motion, task.anchor);
+  if (!refusal) refusal = certify(motion, task.anchor, task.segment.limits());
   if (refusal) return judged(*std::move(refusal), motion);
   return std::nullopt;
 }
 
 std::variant<VrpOffset, Refusal> Planner::survey(Task& task, const ComPath& path, const Timing& timing) {
   const Profile& profile = robot_->profile();
+  const Limits& limits = task.segment.limits();
+  const Posture& from = task.segment.from();
   const ComProblem& problem = task.segment.com();
   const auto fails = [](Reason reason, double value, double limit, const std::string& where) {
     return Refusal{reason, Part::trunk, value, limit, where};
@@ -320,15 +326,15 @@ std::variant<VrpOffset, Refusal> Planner::survey(Task& task, const ComPath& path
   }
   const std::size_t last = t.size() - 1;
   const bool again = task.looked.size() == t.size();
-  const bool moving = !task.from.dq.isZero(0.0);
-  std::vector<VecX> q(t.size(), task.from.q);
+  const bool moving = !from.dq.isZero(0.0);
+  std::vector<VecX> q(t.size(), from.q);
   std::vector<VecX> step(t.size() + 1, VecX::Zero(robot_->nv()));  // velocity between postures i − 1 and i
   std::optional<Refusal> hasty;                                    // what asks for more time, most of all
   double worst = 1.0;
   for (std::size_t i = 1; i <= last; ++i) {
     const double h = t[i] - t[i - 1];
     q[i] = again ? task.looked[i] : q[i - 1];
-    if (!again && (moving || i > 1)) integrate(*robot_, q[i], i > 1 ? step[i - 1] : task.from.dq, h);
+    if (!again && (moving || i > 1)) integrate(*robot_, q[i], i > 1 ? step[i - 1] : from.dq, h);
     const IkResult result = coarse_.solve(task.segment.targets(path, timing, t[i]), q[i - 1],
                                           std::numeric_limits<double>::infinity(), q[i], kSurveyIterations);
     difference(*robot_, step[i], h, q[i - 1], q[i]);
@@ -336,7 +342,7 @@ std::variant<VrpOffset, Refusal> Planner::survey(Task& task, const ComPath& path
       const Joint& joint = robot_->joints()[j];
       const auto n = static_cast<Eigen::Index>(j);
       const double room = std::min(q[i][7 + n] - joint.position.lo, joint.position.hi - q[i][7 + n]);
-      if (room < profile.margin.joint) return fails(Reason::joint_limit, room, profile.margin.joint, joint.name);
+      if (room < limits.joint) return fails(Reason::joint_limit, room, limits.joint, joint.name);
       // The mean speed between two looks: if that is too much, the largest is.
       const double speed = std::abs(step[i][6 + n]);
       if (speed > worst * joint.speed) {
@@ -355,7 +361,7 @@ std::variant<VrpOffset, Refusal> Planner::survey(Task& task, const ComPath& path
   VecX dq, ddq, tau, force(robot_->nv());
   for (std::size_t i = 0; i <= last; ++i) {
     if (i == 0) {
-      dq = task.from.dq;
+      dq = from.dq;
       ddq = 2.0 / t[1] * (step[1] - dq);
     } else if (i == last) {
       dq.setZero();
@@ -374,9 +380,9 @@ std::variant<VrpOffset, Refusal> Planner::survey(Task& task, const ComPath& path
       const Joint& joint = robot_->joints()[j];
       const auto n = static_cast<Eigen::Index>(j);
       const double load = joint.motor.load(tau[n], dq[6 + n]);
-      if (load > std::max(kRoughly * profile.margin.torque, worst)) {
+      if (load > std::max(kRoughly * limits.torque, worst)) {
         worst = load;
-        hasty = fails(Reason::joint_torque, load, profile.margin.torque, joint.name);
+        hasty = fails(Reason::joint_torque, load, limits.torque, joint.name);
       }
     }
     const ComState com = path.at(t[i]);
@@ -398,7 +404,8 @@ std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, 
   const int ticks = timing.ticks();
   motion.samples.assign(static_cast<std::size_t>(ticks) + 1, {});
   set_contacts(motion);
-  const bool moving = !task.from.dq.isZero(0.0);
+  const Posture& from = task.segment.from();
+  const bool moving = !from.dq.isZero(0.0);
   IkTargets targets;
   double hand_residual = 0.0;
   for (int k = 0; k <= ticks; ++k) {
@@ -409,12 +416,12 @@ std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, 
     sample.dcom = com.dp;
     sample.sole = targets.sole;
     if (k == 0) {
-      sample.q = task.from.q;
+      sample.q = from.q;
       continue;
     }
     const VecX& previous = motion.samples[static_cast<std::size_t>(k) - 1].q;
     sample.q = previous;
-    if (k == 1 && moving) integrate(*robot_, sample.q, task.from.dq, dt);
+    if (k == 1 && moving) integrate(*robot_, sample.q, from.dq, dt);
     if (k > 1) {  // linearise where the joints would go by themselves
       const VecX& earlier = motion.samples[static_cast<std::size_t>(k) - 2].q;
       sample.q.tail(robot_->nv() - 6) += (previous - earlier).tail(robot_->nv() - 6);
@@ -430,14 +437,14 @@ std::optional<Refusal> Planner::realise(const Task& task, const Timing& timing, 
       const Joint& joint = robot_->joints()[static_cast<std::size_t>(result.bound_joint)];
       const double q = sample.q[7 + result.bound_joint];
       const double room = std::min(q - joint.position.lo, joint.position.hi - q);
-      if (room < 1e-6) return Refusal{Reason::joint_limit, part, room, robot_->profile().margin.joint, joint.name};
+      if (room < 1e-6) return Refusal{Reason::joint_limit, part, room, task.segment.limits().joint, joint.name};
       return Refusal{Reason::joint_speed, part, joint.speed, joint.speed, joint.name};
     }
     if (lost) return Refusal{Reason::unreachable, part, position, tolerance.position, ""};
   }
   if (hand_residual > tolerance.hand) return Refusal{Reason::unreachable, part, hand_residual, tolerance.hand, "hand"};
 
-  motion.dq0 = task.from.dq - 0.5 * dt * task.from.ddq;
+  motion.dq0 = from.dq - 0.5 * dt * from.ddq;
   differentiate(*robot_, motion);
 
   const Kinematics& last = ik_.kinematics();

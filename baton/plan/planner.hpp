@@ -25,17 +25,19 @@ class Planner {
   /// tick. What speaks against a candidate says whether a longer duration may mend it and which; what none mends
   /// (collision, joint limit, reach) ends the search. A pure function of its arguments.
   /// @param anchor planning frame in the world
-  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor) {
-    return plan(from, goal, anchor, rule_);
+  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits) {
+    return plan(from, goal, anchor, limits, rule_);
   }
-  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, DurationRule rule);
+  [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits,
+                                DurationRule rule);
 
   /// The way back along an executed motion, verified again.
-  [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor);
+  [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor, const Limits& limits);
 
   /// From a posture on the way back, moving, to a rest on it: to the very joint angles that the rest of the way back
   /// begins with.
-  [[nodiscard]] PlanResult halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor);
+  [[nodiscard]] PlanResult halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor,
+                                const Limits& limits);
 
   /// A part of the way back, and the rest where it ends.
   struct PartOfWay {
@@ -44,7 +46,8 @@ class Planner {
   };
   /// The way back to the last rest on it before what speaks against the whole of it; none if there is no such rest.
   /// @param against the refusal of the whole way back
-  [[nodiscard]] std::optional<PartOfWay> retrace_part(const Trail& trail, const Pose& anchor, Refusal against);
+  [[nodiscard]] std::optional<PartOfWay> retrace_part(const Trail& trail, const Pose& anchor, const Limits& limits,
+                                                      Refusal against);
 
  private:
   /// What speaks against a candidate, and the factor on its duration that may mend it; 0: none does.
@@ -54,7 +57,6 @@ class Planner {
   };
   struct Task {
     const Segment& segment;
-    const Posture& from;
     const Pose& anchor;
     std::vector<VecX> looked{};  ///< postures of the last survey: where the next one starts from
   };
@@ -66,7 +68,7 @@ class Planner {
   /// The COM of a candidate and a look along it.
   [[nodiscard]] std::optional<Failure> look(Task& task, const Timing& timing, Motion& motion);
   /// Verifies a motion that has its joint paths, and completes it.
-  [[nodiscard]] std::optional<Refusal> certify(Motion& motion, const Pose& anchor);
+  [[nodiscard]] std::optional<Refusal> certify(Motion& motion, const Pose& anchor, const Limits& limits);
   /// The same candidate worked out and verified at every tick.
   [[nodiscard]] std::optional<Failure> finish(Task& task, const Timing& timing, Motion& motion);
   /// How to divide a duration: as near to the shares as the point mass can do it, on the way to the division of the

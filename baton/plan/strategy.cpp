@@ -13,28 +13,6 @@ constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the d
 constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
 constexpr double kSooner = 0.5;        ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kFalls = 0.1;  ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
-constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
-constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
-constexpr double kCareful = 2.0;            ///< there, times the margin of the planned ZMP
-
-/// What a step that catches the robot may use up: what is there for a plan to be followed well, not what the robot
-/// needs afterwards to go on from where it stands.
-RobotModel hasty(const RobotModel& robot) {
-  Profile profile = robot.profile();
-  profile.margin.zmp_plan = profile.margin.zmp_feedback;
-  profile.margin.torque = 1.0;
-  profile.margin.acceleration *= kHastyAcceleration;
-  profile.swing.clearance *= kHastySwing;
-  profile.swing.time *= kHastySwing;
-  return RobotModel(std::move(profile));
-}
-
-/// On ground that is not what the map says: a sole may stand on a part of it only.
-RobotModel careful(const RobotModel& robot) {
-  Profile profile = robot.profile();
-  profile.margin.zmp_plan = std::min(kCareful * profile.margin.zmp_plan, profile.margin.stand_on);
-  return RobotModel(std::move(profile));
-}
 
 /// What a planner answered, as an answer to a request.
 std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
@@ -49,10 +27,9 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
       modes_(modes),
       guide_(robot, world),
       planner_(robot, world, modes.duration),
-      careful_(careful(robot)),
-      careful_planner_(careful_, world, modes.duration),
-      hasty_(hasty(robot)),
-      hasty_planner_(hasty_, world) {}
+      normal_(Limits::normal(robot.profile())),
+      uneven_ground_(Limits::uneven_ground(robot.profile())),
+      push_recovery_(Limits::push_recovery(robot.profile())) {}
 
 Answer Strategy::plan(const Request& request) {
   Answer result{request.take_over, request.command, request.context, {}, request.trail, request.catches};
@@ -75,40 +52,40 @@ Strategy::Outcome Strategy::outcome(const Request& request, std::shared_ptr<cons
   if (request.catches) return catch_step(request);
   if (request.command.recall == Recall::retrace) return go_back(request, trail);
   if (request.uneven) {
-    Outcome outcome = led(careful_planner_, request);
+    Outcome outcome = led(uneven_ground_, request);
     if (!std::holds_alternative<Refusal>(outcome)) return outcome;
   }
-  return led(planner_, request);
+  return led(normal_, request);
 }
 
-Strategy::Outcome Strategy::led(Planner& planner, const Request& request) {
+Strategy::Outcome Strategy::led(const Limits& limits, const Request& request) {
   if (request.command.recall == Recall::stop) {
-    if (request.replaced_at >= 0) return stop(planner, request);
+    if (request.replaced_at >= 0) return stop(limits, request);
     const Command let_go{.guide = request.command.guide};
-    return resolve(planner, request, guide_.goals(request.context, let_go));  // at rest: a foot in the air is put down
+    return resolve(limits, request, guide_.goals(request.context, let_go));  // at rest: a foot in the air is put down
   }
-  Outcome whole = resolve(planner, request, guide_.goals(request.context, request.command));
+  Outcome whole = resolve(limits, request, guide_.goals(request.context, request.command));
   if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<Motion> part = shrunk(planner, request, std::get<Refusal>(whole));
+  std::optional<Motion> part = shrunk(limits, request, std::get<Refusal>(whole));
   if (!part) return whole;
   part->limit = std::get<Refusal>(std::move(whole));
   return *std::move(part);
 }
 
-Strategy::Outcome Strategy::resolve(Planner& planner, const Request& request, GuideResult guided) {
+Strategy::Outcome Strategy::resolve(const Limits& limits, const Request& request, GuideResult guided) {
   if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
-  return outcome_of(first_of(planner, *goals, request));
+  return outcome_of(first_of(limits, *goals, request));
 }
 
 Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& left) {
   if (!request.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
   const Trail& trail = *request.trail;
-  PlanResult planned = planner_.retrace(trail, request.context.anchor);
+  PlanResult planned = planner_.retrace(trail, request.context.anchor, normal_);
   if (auto* refusal = std::get_if<Refusal>(&planned)) {
     if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
-    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.context.anchor, *refusal);
+    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.context.anchor, normal_, *refusal);
     if (!part) return std::move(*refusal);
     left = std::make_shared<const Trail>(trail_to(trail, part->halt));
     planned = std::move(part->motion);
@@ -118,10 +95,10 @@ Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<cons
   return std::move(motion);
 }
 
-Strategy::Outcome Strategy::stop(Planner& planner, const Request& request) {
+Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
   GuideResult ways = guide_.stops(request.context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
-  return quickest(planner, std::get<std::vector<Goal>>(ways), request);
+  return quickest(limits, std::get<std::vector<Goal>>(ways), request);
 }
 
 Strategy::Outcome Strategy::catch_step(const Request& request) {
@@ -136,7 +113,7 @@ Strategy::Outcome Strategy::catch_step(const Request& request) {
   double least = request.lands ? lacks(*request.lands, request.gains) : std::numeric_limits<double>::infinity();
   Outcome best;
   for (const Goal& goal : *goals) {
-    Outcome outcome = quickest(hasty_planner_, {goal}, request);
+    Outcome outcome = quickest(push_recovery_, {goal}, request);
     const auto* motion = std::get_if<Motion>(&outcome);
     if (motion == nullptr) continue;
     const Side side = *goal.swing;
@@ -151,7 +128,7 @@ Strategy::Outcome Strategy::catch_step(const Request& request) {
   return best;
 }
 
-Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
+Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {
   std::vector<Posture> starts{request.start};
   if (request.start.flight) {  // the foot may also come down sooner than it was to
     Flight& flight = *starts.emplace_back(request.start).flight;
@@ -163,7 +140,7 @@ Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& 
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
     for (const Posture& start : starts) {
-      PlanResult planned = planner.plan(start, goal, request.context.anchor, DurationRule::search);
+      PlanResult planned = planner_.plan(start, goal, request.context.anchor, limits, DurationRule::search);
       if (auto* motion = std::get_if<Motion>(&planned)) {
         if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
       } else if (!against) {
@@ -176,10 +153,10 @@ Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& 
 }
 
 Strategy::Outcome Strategy::halt(const Request& request) {
-  return outcome_of(planner_.halt(request.start, *request.trail, *request.halt, request.context.anchor));
+  return outcome_of(planner_.halt(request.start, *request.trail, *request.halt, request.context.anchor, normal_));
 }
 
-std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request, const Refusal& against) {
+std::optional<Motion> Strategy::shrunk(const Limits& limits, const Request& request, const Refusal& against) {
   const Posture& from = request.context.from;
   const Command& command = request.command;
   const bool both_stand = from.contact.left && from.contact.right;
@@ -194,7 +171,7 @@ std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request,
     return better;
   };
   const auto tried = [&](const Command& candidate) {
-    return accepted(resolve(planner, request, guide_.goals(request.context, candidate)));
+    return accepted(resolve(limits, request, guide_.goals(request.context, candidate)));
   };
   double done = 0.0;
   double refused = 1.0;
@@ -210,8 +187,8 @@ std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request,
     if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
     const bool edge = against.reason == Reason::ground;
     const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
-    if (edge && accepted(resolve(planner, request, guide_.nearest_step(request.context, command)))) return best;
-    if ((edge || too_far) && accepted(resolve(planner, request, guide_.other_foot_first(request.context, command))))
+    if (edge && accepted(resolve(limits, request, guide_.nearest_step(request.context, command)))) return best;
+    if ((edge || too_far) && accepted(resolve(limits, request, guide_.other_foot_first(request.context, command))))
       return best;
   }
   std::vector<int> axes = guide_.axes_of(command.guide);
@@ -241,10 +218,10 @@ bool Strategy::worth(const Posture& from, const Motion& motion) const {
   return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
 }
 
-PlanResult Strategy::first_of(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
+PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
-    PlanResult planned = planner.plan(request.start, goal, request.context.anchor);
+    PlanResult planned = planner_.plan(request.start, goal, request.context.anchor, limits);
     if (auto* motion = std::get_if<Motion>(&planned)) {
       std::optional<Refusal> against_it = no_stance(*motion, request);
       if (!against_it) against_it = no_landing(*motion, request.context);
@@ -276,7 +253,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
     for (const Goal& goal : *goals) {
-      PlanResult planned = planner_.plan(end, goal, context.anchor);
+      PlanResult planned = planner_.plan(end, goal, context.anchor, normal_);
       if (std::holds_alternative<Motion>(planned)) return std::nullopt;
       if (!against) against = std::get<Refusal>(planned);
     }

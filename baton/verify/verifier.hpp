@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "baton/model/contact.hpp"
+#include "baton/model/limits.hpp"
 #include "baton/model/world.hpp"
 #include "baton/motion/motion.hpp"
 #include "baton/verify/obstacles.hpp"
@@ -24,7 +25,7 @@ class Verifier {
   /// violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
-  [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor);
+  [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor, const Limits& limits);
 
  private:
   class Ledger;
@@ -56,9 +57,14 @@ class Verifier {
   VertexForces forces_;
   Obstacles obstacles_;
   VecX tau_;
-  double swing_margin_ = 0.0;
-  double lowest_ = 0.0;
-  double lean_ = 0.0;      ///< the largest tilt of the trunk [rad]
+  /// What the motion under verification is held to.
+  struct Bounds {
+    Limits limits;
+    double swing_margin = 0.0;  ///< [m]
+    double lowest = 0.0;        ///< [m]
+    double lean = 0.0;          ///< the largest tilt of the trunk [rad]
+  };
+  Bounds bounds_;
   ConvexPolygon support_;  ///< of the soles that stand
   VecX in_world_;
 

@@ -14,6 +14,7 @@ class PlannerTest : public testing::TestWithParam<std::string> {
  protected:
   const RobotModel& robot_ = test::robot(GetParam());
   const World world_ = World::load("flat");
+  const Limits limits_ = Limits::normal(robot_.profile());
   const double size_ = robot_.profile().stance.com_height / 0.26;
 };
 
@@ -60,8 +61,8 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
     const GuideResult guided = guide.goals(context, test::in_turn(k, random));
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);
     if (goals == nullptr) continue;
-    PlanResult a = paper.plan(context.from, goals->front(), context.anchor);
-    PlanResult b = search.plan(context.from, goals->front(), context.anchor);
+    PlanResult a = paper.plan(context.from, goals->front(), context.anchor, limits_);
+    PlanResult b = search.plan(context.from, goals->front(), context.anchor, limits_);
     auto* slow = std::get_if<Motion>(&a);
     auto* quick = std::get_if<Motion>(&b);
     if (quick != nullptr) {
@@ -88,26 +89,25 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
 TEST_P(PlannerTest, ATorqueIsSeldomRefusedWhereALongerDurationWouldDo) {
   // The paper's rule gives up where longer durations seem to be in vain; the search goes on to the longest.
   const Guide guide(robot_, world_);
+  Planner paper(robot_, world_, DurationRule::paper);
+  Planner search(robot_, world_, DurationRule::search);
   std::mt19937_64 random(37);
   int refused = 0;
   int found = 0;
   for (const double share : {0.4, 0.45, 0.5, 0.6}) {  // of the motors' torque: enough for some of it
-    Profile profile = robot_.profile();
-    profile.margin.torque = share;
-    const RobotModel weak(profile);
-    Planner paper(weak, world_, DurationRule::paper);
-    Planner search(weak, world_, DurationRule::search);
+    Limits weak = limits_;
+    weak.torque = share;
     GuideContext context = test::at_home(robot_);
     for (std::size_t k = 0; k < 60; ++k) {
       const GuideResult guided = guide.goals(context, test::in_turn(k, random));
       const auto* goals = std::get_if<std::vector<Goal>>(&guided);
       if (goals == nullptr) continue;
-      PlanResult a = paper.plan(context.from, goals->front(), context.anchor);
+      PlanResult a = paper.plan(context.from, goals->front(), context.anchor, weak);
       if (auto* motion = std::get_if<Motion>(&a)) {
         test::go_on(context, *motion);
       } else if (std::get<Refusal>(a).reason == Reason::joint_torque) {
         ++refused;
-        const PlanResult b = search.plan(context.from, goals->front(), context.anchor);
+        const PlanResult b = search.plan(context.from, goals->front(), context.anchor, weak);
         found += std::holds_alternative<Motion>(b) ? 1 : 0;
       }
     }
@@ -129,14 +129,14 @@ TEST_P(PlannerTest, AFootInTheAirThatLandsBesideGoesThereBeforeItSinks) {
     const Side side = side_of(up.guide);
     up.lift[side] = 0.5;
     const GuideResult lifted = guide.goals(at_home, up);
-    PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{});
+    PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{}, limits_);
     ASSERT_TRUE(std::holds_alternative<Motion>(lift));
     const Posture hanging = std::get<Motion>(lift).end;
     const GuideResult landings = guide.landings({hanging, at_home.anchor, at_home.last_step, at_home.foothold}, side);
     Goal goal = std::get<std::vector<Goal>>(landings).front();
     goal.sole[side].p += size_ * Vec3(0.04 * unit(random), sign_of(side) * 0.01 * (1.0 + unit(random)), 0);
     const Vec3 way = goal.sole[side].p - hanging.sole[side].p;
-    PlanResult planned = planner.plan(hanging, goal, Pose{});
+    PlanResult planned = planner.plan(hanging, goal, Pose{}, limits_);
     if (way.head<2>().norm() < 0.005 * size_ || !std::holds_alternative<Motion>(planned)) continue;
     for (const MotionSample& sample : std::get<Motion>(planned).samples) {
       const Vec3 gone = sample.sole[side].p - hanging.sole[side].p;
@@ -155,7 +155,7 @@ TEST_P(PlannerTest, AMotionRunBackwardsHasTheSameMargins) {
   int checked = 0;
   for (const Motion& motion : test::sample_motions(GetParam())) {
     const Trail trail = trail_of(from, motion);
-    const PlanResult back = planner.retrace(trail, Pose{});
+    const PlanResult back = planner.retrace(trail, Pose{}, limits_);
     ASSERT_TRUE(std::holds_alternative<Motion>(back)) << to_string(std::get<Refusal>(back).reason);
     const auto& reverse = std::get<Motion>(back);
     for (const Reason quantity : {Reason::zmp, Reason::joint_torque, Reason::joint_speed, Reason::friction})

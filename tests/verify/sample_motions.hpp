@@ -50,7 +50,7 @@ inline const std::vector<Motion>& sample_motions(const std::string& name) {
     const GuideResult guided = guide.goals(context, in_turn(k, random));
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);
     if (goals == nullptr) continue;
-    PlanResult planned = planner.plan(context.from, goals->front(), context.anchor);
+    PlanResult planned = planner.plan(context.from, goals->front(), context.anchor, Limits::normal(robot.profile()));
     auto* motion = std::get_if<Motion>(&planned);
     if (motion == nullptr) continue;
     go_on(context, *motion);

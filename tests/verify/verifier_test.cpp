@@ -40,18 +40,22 @@ class VerifierTest : public testing::TestWithParam<std::string> {
   }
 
   [[nodiscard]] Refusal refusal_of(Motion motion) { return refusal_of(std::move(motion), verifier_); }
-  [[nodiscard]] static Refusal refusal_of(Motion motion, Verifier& verifier) {
-    const auto verdict = verifier.verify(motion, Pose{});
+  [[nodiscard]] Refusal refusal_of(Motion motion, Verifier& verifier) const {
+    return refusal_of(std::move(motion), verifier, limits_);
+  }
+  [[nodiscard]] static Refusal refusal_of(Motion motion, Verifier& verifier, const Limits& limits) {
+    const auto verdict = verifier.verify(motion, Pose{}, limits);
     if (const auto* refusal = std::get_if<Refusal>(&verdict)) return *refusal;
     ADD_FAILURE() << "verified";
     return {};
   }
 
   [[nodiscard]] Certificate certificate_of(Motion motion, const Pose& anchor = {}) {
-    return certificate_of(std::move(motion), verifier_, anchor);
+    return certificate_of(std::move(motion), verifier_, limits_, anchor);
   }
-  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Pose& anchor = {}) {
-    const auto verdict = verifier.verify(motion, anchor);
+  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Limits& limits,
+                                                  const Pose& anchor = {}) {
+    const auto verdict = verifier.verify(motion, anchor, limits);
     if (const auto* certificate = std::get_if<Certificate>(&verdict)) return *certificate;
     const Refusal& refusal = std::get<Refusal>(verdict);
     ADD_FAILURE() << "refused: " << to_string(refusal.reason) << " " << refusal.value << " " << refusal.limit;
@@ -64,6 +68,7 @@ class VerifierTest : public testing::TestWithParam<std::string> {
 
   const RobotModel& robot_ = test::robot(GetParam());
   const Profile::Margin& margin_ = robot_.profile().margin;
+  const Limits limits_ = Limits::normal(robot_.profile());
   const std::vector<Motion>& motions_ = test::sample_motions(GetParam());
   const World world_ = World::load("flat");
   Verifier verifier_{robot_, world_};
@@ -132,11 +137,9 @@ TEST_P(VerifierTest, RefusesATorqueThatTheMotorHasNot) {
   // For the motor's own inertia alone; that of the link comes on top.
   const double inertia = robot_.mj().dof_armature[arm_dof()];
   sample.ddq[arm_dof()] = 1.1 * arm_joint().motor.stall / inertia;
-  Profile profile = robot_.profile();
-  profile.margin.acceleration = 1e5;  // or that would be the reason
-  const RobotModel jerky(profile);
-  Verifier verifier(jerky, world_);
-  const Refusal refusal = refusal_of(motion, verifier);
+  Limits jerky = limits_;
+  jerky.acceleration = 1e5;  // or that would be the reason
+  const Refusal refusal = refusal_of(motion, verifier_, jerky);
   EXPECT_EQ(refusal.reason, Reason::joint_torque) << to_string(refusal.reason) << " " << refusal.value;
   EXPECT_EQ(refusal.limit, margin_.torque);
   EXPECT_EQ(refusal.where, arm_joint().name);
@@ -207,7 +210,7 @@ TEST_P(VerifierTest, RefusesATrunkThatLeansTooFarUnlessItStraightensUp) {
   Motion straightens = motion;
   for (std::size_t tick = 0; tick <= middle; ++tick)
     lean(straightens, tick, most + 0.02);
-  const auto verdict = verifier.verify(straightens, Pose{});
+  const auto verdict = verifier.verify(straightens, Pose{}, limits_);
   const auto* other = std::get_if<Refusal>(&verdict);
   EXPECT_TRUE(other == nullptr || other->reason != Reason::trunk_inclination);
 }
@@ -215,20 +218,18 @@ TEST_P(VerifierTest, RefusesATrunkThatLeansTooFarUnlessItStraightensUp) {
 TEST_P(VerifierTest, RefusesAWrenchThatNoForcesAtTheSolesGive) {
   // Ground hardly less slippery than the tangential force as a whole: the pyramids at the vertices cannot give it.
   const Motion motion = step();
-  Profile profile = robot_.profile();
+  Limits slippery = limits_;
   for (const Margin& margin : motion.certificate.margins) {
-    if (margin.quantity == Reason::friction) profile.margin.friction = 1.05 * margin.value;
+    if (margin.quantity == Reason::friction) slippery.friction = 1.05 * margin.value;
   }
-  const RobotModel slippery(profile);
-  Verifier verifier(slippery, world_);
-  const Refusal refusal = refusal_of(motion, verifier);
+  const Refusal refusal = refusal_of(motion, verifier_, slippery);
   EXPECT_EQ(refusal.reason, Reason::contact_wrench) << to_string(refusal.reason);
   EXPECT_GT(refusal.value, refusal.limit);
 }
 
 TEST_P(VerifierTest, AYawTorqueBeyondTheFrictionOfTheSolesCannotBeHad) {
   const MotionSample& sample = motions_.front().samples.front();
-  VertexForces forces(robot_);
+  VertexForces forces(robot_, limits_);
   const double weight = robot_.mass() * kGravity;
   double lever = 0.0;
   for (const Side side : kSides) {
@@ -252,7 +253,7 @@ TEST_P(VerifierTest, VertexForcesGiveWhatForcesAtTheVerticesGive) {
   // Any wrench made of forces inside the pyramids can be had; what pulls, slips or tips cannot.
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  VertexForces forces(robot_);
+  VertexForces forces(robot_, limits_);
   const double mu = margin_.friction / std::sqrt(2.0);
   const double weight = robot_.mass() * kGravity;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -313,7 +314,7 @@ TEST_P(VerifierTest, TheLessSureThePlaceTheFartherFromEdgesALandingMustBe) {
   Verifier verifier(robot_, world);
   for (const double unsure : {0.0, 0.4, 0.6, 1.0}) {
     motion.goal.unsure = unsure * margin_.edge;
-    const auto verdict = verifier.verify(motion, Pose{});
+    const auto verdict = verifier.verify(motion, Pose{}, limits_);
     ASSERT_EQ(std::holds_alternative<Certificate>(verdict), unsure < 0.5) << unsure;
     if (unsure < 0.5) continue;
     EXPECT_EQ(std::get<Refusal>(verdict).reason, Reason::ground);
@@ -415,11 +416,11 @@ TEST_P(VerifierTest, AFootThatStandsALittleLowerThanTheMapSaysMayLeave) {
   const double flatness = robot_.profile().ground.flatness;
   for (double share = -0.9; share < 1.0; share += 0.1) {  // of what a foothold may be off
     Motion motion = step();
-    const auto verdict = verifier.verify(motion, {Vec3(0, 0, share * flatness), Mat3::Identity()});
+    const auto verdict = verifier.verify(motion, {Vec3(0, 0, share * flatness), Mat3::Identity()}, limits_);
     EXPECT_TRUE(std::holds_alternative<Certificate>(verdict)) << share;
   }
   Motion motion = step();
-  const auto verdict = verifier.verify(motion, {Vec3(0, 0, -1.5 * flatness), Mat3::Identity()});
+  const auto verdict = verifier.verify(motion, {Vec3(0, 0, -1.5 * flatness), Mat3::Identity()}, limits_);
   EXPECT_TRUE(std::holds_alternative<Refusal>(verdict)) << "but not from below it";
 }
 
@@ -489,7 +490,7 @@ TEST_P(VerifierTest, FromTooNearAThingItMayLeaveButNotComeNearer) {
     ASSERT_NEAR(distance, 0.5 * margin_.self_collision, 1e-5);
     Verifier verifier(robot_, *world);
     Motion moves = motion;
-    const auto verdict = verifier.verify(moves, Pose{});
+    const auto verdict = verifier.verify(moves, Pose{}, limits_);
     ASSERT_EQ(std::holds_alternative<Certificate>(verdict), direction < 0.0);
     if (const auto* refusal = std::get_if<Refusal>(&verdict)) {
       EXPECT_EQ(refusal->reason, Reason::obstacle);
@@ -508,7 +509,7 @@ TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {
     const World in_the_way = floor_with_box(GetParam(), hand, half);
     Verifier verifier(robot_, in_the_way);
     Motion hits = motion;
-    const auto verdict = verifier.verify(hits, anchor);
+    const auto verdict = verifier.verify(hits, anchor, limits_);
     ASSERT_TRUE(std::holds_alternative<Refusal>(verdict));
     const auto& refusal = std::get<Refusal>(verdict);
     EXPECT_EQ(refusal.reason, Reason::obstacle) << to_string(refusal.reason);
@@ -518,7 +519,7 @@ TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {
 
     const World beside = floor_with_box(GetParam(), anchor * Vec3(0, 10 * size_, size_), half);
     Verifier free(robot_, beside);
-    EXPECT_FALSE(certificate_of(motion, free, anchor).margins.empty());
+    EXPECT_FALSE(certificate_of(motion, free, limits_, anchor).margins.empty());
   }
 }
 
@@ -554,7 +555,7 @@ TEST_P(VerifierTest, MeasuresTheDistanceToAThing) {
     const double distance = gap * margin_.self_collision;
     const World wall = floor_with_box(GetParam(), Vec3(0, outmost + distance + half, 0), half);
     Verifier verifier(robot_, wall);
-    const Certificate certificate = certificate_of(motion, verifier);
+    const Certificate certificate = certificate_of(motion, verifier, limits_);
     bool found = false;
     for (const Margin& margin : certificate.margins) {
       if (margin.quantity != Reason::obstacle) continue;
@@ -610,22 +611,23 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
     for (const Margin& margin : motion.certificate.margins) {
       for (const bool strict : {false, true}) {
         Profile profile = robot_.profile();
+        Limits limits = limits_;
         const double tiny = (strict ? 1e-6 : -1e-6) * (1.0 + std::abs(margin.value));
         switch (margin.quantity) {
           case Reason::zmp:
-            profile.margin.zmp_verify = margin.value + tiny;
+            limits.zmp_verify = margin.value + tiny;
             break;
           case Reason::joint_limit:
-            profile.margin.joint = margin.value + tiny;
+            limits.joint = margin.value + tiny;
             break;
           case Reason::joint_acceleration:
-            profile.margin.acceleration = margin.value - tiny;
+            limits.acceleration = margin.value - tiny;
             break;
           case Reason::joint_torque:
-            profile.margin.torque = margin.value - tiny;
+            limits.torque = margin.value - tiny;
             break;
           case Reason::friction:
-            profile.margin.friction = margin.value - tiny;
+            limits.friction = margin.value - tiny;
             break;
           case Reason::sole_gap:
             profile.region.sole_gap = margin.value + tiny;
@@ -638,15 +640,15 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
         if (margin.quantity == Reason::zmp || margin.quantity == Reason::friction) {
           // Forces at the vertices meet these limits too, and have less room.
           if (!strict) continue;
-          const Reason reason = refusal_of(motion, verifier).reason;
+          const Reason reason = refusal_of(motion, verifier, limits).reason;
           EXPECT_TRUE(reason == margin.quantity || reason == Reason::contact_wrench) << to_string(reason);
           continue;
         }
         if (!strict) {
-          EXPECT_FALSE(certificate_of(motion, verifier).margins.empty()) << to_string(margin.quantity);
+          EXPECT_FALSE(certificate_of(motion, verifier, limits).margins.empty()) << to_string(margin.quantity);
           continue;
         }
-        const Refusal refusal = refusal_of(motion, verifier);
+        const Refusal refusal = refusal_of(motion, verifier, limits);
         EXPECT_EQ(refusal.reason, margin.quantity) << to_string(refusal.reason);
         EXPECT_NEAR(refusal.value, margin.value, 2e-6 * (1.0 + std::abs(margin.value)));
         EXPECT_EQ(refusal.where, margin.where);
