@@ -28,7 +28,8 @@ Rows bench_duration(const Options& /*unused*/) {
   const Profile& profile = robot.profile();
   const double period = profile.tick.period;
   const int longest = static_cast<int>(std::lround(profile.duration.max / period));
-  const int least_swing = static_cast<int>(std::ceil(profile.swing.time / period - 1e-9));
+  const Limits limits = Limits::normal(profile);
+  const int least_swing = static_cast<int>(std::ceil(limits.swing_time / period - 1e-9));
 
   Row search{"plan: shortest duration of the point mass", {}, ""};
   Row bound{"duration: least of any point mass", {}, "", "s"};
@@ -46,7 +47,7 @@ Rows bench_duration(const Options& /*unused*/) {
   int none_by_paper = 0;
   for (const Task& task : level_tasks(robot, world, kGoals + kGoals / 10, 1)) {
     if (feasible.size() == kGoals) break;
-    const Segment segment(robot, task.from, task.goal);
+    const Segment segment(robot, task.from, task.goal, limits);
     const ComProblem& problem = segment.com();
     std::optional<Shortest> found;
     time(search, [&] { found = shortest_timing(com, problem, segment.swing_phase(), least_swing, longest, period); });
@@ -82,10 +83,11 @@ Rows bench_duration(const Options& /*unused*/) {
     std::map<std::string, int> against;
     std::map<std::string, int> refused;
     for (std::size_t i = 0; i < std::min(kWhole, feasible.size()); ++i) {
-      const PlanResult planned = planner.plan(feasible[i].task.from, feasible[i].task.goal, world.site("start"));
-      if (const auto* motion = std::get_if<Motion>(&planned)) {
-        row.values.push_back(motion->duration() / feasible[i].least);
-        ++against[name_of(motion->not_shorter)];
+      const PlanResult planned =
+          planner.plan(feasible[i].task.from, feasible[i].task.goal, world.site("start"), limits);
+      if (const auto* found = std::get_if<PlannedMotion>(&planned)) {
+        row.values.push_back(found->motion->duration() / feasible[i].least);
+        ++against[name_of(found->not_shorter)];
       } else {
         ++refused[std::string(to_string(std::get<Refusal>(planned).reason))];
       }

@@ -13,6 +13,7 @@ namespace baton::bench {
 Rows bench_plan(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const Profile& profile = robot.profile();
+  const Limits limits = Limits::normal(profile);
   const Posture home = stand(robot, Pose{}, profile.stance.com_height);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -41,7 +42,7 @@ Rows bench_plan(const Options& /*unused*/) {
     goal.com = goal.contact.left && goal.contact.right ? Vec3(0.5 * (goal.sole.left.p + goal.sole.right.p))
                                                        : goal.sole[other(side)].p;
     goal.com.z() = from.com.z();
-    Segment segment(robot, from, goal);
+    Segment segment(robot, from, goal, limits);
     const ComPlan plan = correct_duration(segment.com(), profile.duration.first, profile.duration.step,
                                           profile.duration.max, profile.tick.period);
     if (plan.feasible) segments.push_back(std::move(segment));

@@ -313,7 +313,7 @@ std::optional<Flight> Requests::flight(int at) const {
   const Side up = sample.contact.left ? Side::right : Side::left;
   const int arrives = motion_->goal.contact[up] ? motion_->last_phase() : motion_->ticks();
   const double left = std::max((arrives - at) * period, kLeastFlight);
-  return Flight{up, motion_->lift_off, left, motion_->apex_t - at * period, motion_->apex};
+  return Flight{up, motion_->swing.lift_off, left, motion_->swing.apex_t - at * period, motion_->swing.apex};
 }
 
 bool Requests::swings_later(int at) const {

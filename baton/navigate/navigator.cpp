@@ -204,8 +204,8 @@ Purpose Navigator::purpose() const {
   return course_.answer()->stops() ? Purpose::stop : Purpose::follow;
 }
 
-const Refusal* Navigator::limit() const {
-  return motion() != nullptr && motion()->limit ? &*motion()->limit : nullptr;
+const PlannedMotion* Navigator::planned() const {
+  return motion() != nullptr ? course_.answer()->planned() : nullptr;
 }
 
 Phase Navigator::phase() const {

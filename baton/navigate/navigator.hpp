@@ -72,8 +72,8 @@ class Navigator {
   [[nodiscard]] const Motion* motion() const { return course_.motion(); }
   /// Number of the segment under way, counted from 0; −1 in hold.
   [[nodiscard]] long segment() const { return motion() != nullptr ? course_.committed() - 1 : -1; }
-  /// What spoke against the whole command, if the motion under way is a part of the way there; else null.
-  [[nodiscard]] const Refusal* limit() const;
+  /// The same, with what is known beside it.
+  [[nodiscard]] const PlannedMotion* planned() const;
   /// Motions so far, and of these the capture steps.
   [[nodiscard]] long committed() const { return course_.committed(); }
   [[nodiscard]] long caught() const { return course_.caught(); }

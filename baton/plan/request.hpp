@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "baton/guide/guide.hpp"
-#include "baton/motion/motion.hpp"
+#include "baton/plan/planned_motion.hpp"
 #include "baton/plan/retrace.hpp"
 
 namespace baton {
@@ -84,11 +84,12 @@ struct Answer {
   Command command;
   GuideContext context;  ///< what the goal is relative to
   /// Nothing is to be done, a verified motion, or why there is none.
-  std::variant<std::monostate, Motion, Refusal> outcome;
+  std::variant<std::monostate, PlannedMotion, Refusal> outcome;
   /// With a motion: the trail that it belongs to, or retraces; after a part of a way back, what remains of that.
   std::shared_ptr<const Trail> trail;
 
-  [[nodiscard]] const Motion* motion() const { return std::get_if<Motion>(&outcome); }
+  [[nodiscard]] const PlannedMotion* planned() const { return std::get_if<PlannedMotion>(&outcome); }
+  [[nodiscard]] const Motion* motion() const { return planned() != nullptr ? &*planned()->motion : nullptr; }
   [[nodiscard]] const Refusal* refusal() const { return std::get_if<Refusal>(&outcome); }
   /// How much farther the foot of a capture step is to land; null for any other intent.
   [[nodiscard]] const Catch* capture() const { return std::get_if<Catch>(&intent); }

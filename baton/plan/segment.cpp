@@ -27,8 +27,14 @@ BySide<bool> only(Side side) {
 
 }  // namespace
 
-Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const PartRates& rates)
-    : robot_(&robot), from_(from), goal_(goal), rates_(rates), first_duration_(robot.profile().duration.first) {
+Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const Limits& limits,
+                 const PartRates& rates)
+    : robot_(&robot),
+      from_(from),
+      goal_(goal),
+      limits_(limits),
+      rates_(rates),
+      first_duration_(robot.profile().duration.first) {
   const Profile::Phases& profile = robot.profile().phases;
   enum class Swing { none, step, lift, lower, air };
   const auto kind = [&] {
@@ -105,8 +111,7 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
   }
   knots.front().wish = drive;
   const double plane = std::min(support_plane(from.sole, from.contact), support_plane(goal.sole, goal.contact));
-  com_ = {robot.omega(),   from.com, from.dcom, goal.com, plane, robot.profile().margin.zmp_plan, {}, {},
-          std::move(knots)};
+  com_ = {robot.omega(), from.com, from.dcom, goal.com, plane, limits.zmp_plan, {}, {}, std::move(knots)};
   if (!(from.contact_before.left && from.contact_before.right))
     com_.at_start = support_polygon(robot, from.sole, from.contact_before, from.com, plane);
   for (std::size_t i = 0; i < shares.size(); ++i) {
@@ -166,7 +171,7 @@ Vec2 Segment::apex(double duration) const {
   const double from = from_.sole[side].p.z();
   const double to = goal_.sole[side].p.z();
   if (!goal_.contact[side]) return {0.0, from};
-  const double clearance = robot_->profile().swing.clearance;
+  const double clearance = limits_.swing_clearance;
   if (from_.contact[side]) {
     const double share = to - from < -kLevel ? 0.4 : (to - from > kLevel ? 0.6 : 0.5);
     return {share * duration, std::max(from, to) + clearance};

@@ -4,6 +4,7 @@
 
 #include "baton/ik/inverse_kinematics.hpp"
 #include "baton/ik/moving.hpp"
+#include "baton/model/limits.hpp"
 #include "baton/motion/goal.hpp"
 #include "baton/motion/motion.hpp"
 #include "baton/plan/com_plan.hpp"
@@ -16,7 +17,12 @@ class Segment {
   /// stays up, double–single (lift); that is up and lands, single–double (lower, or the rest of a step); that is up and
   /// stays so, single (air); no foot, double (shift, reach).
   /// @param rates how the parts move in `from`: their paths go on from there
-  Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const PartRates& rates = {});
+  Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const Limits& limits,
+          const PartRates& rates = {});
+
+  [[nodiscard]] const Posture& from() const { return from_; }
+  [[nodiscard]] const Goal& goal() const { return goal_; }
+  [[nodiscard]] const Limits& limits() const { return limits_; }
 
   [[nodiscard]] const ComProblem& com() const { return com_; }
 
@@ -50,6 +56,7 @@ class Segment {
   const RobotModel* robot_;
   Posture from_;
   Goal goal_;
+  Limits limits_;
   PartRates rates_;
   std::vector<BySide<bool>> contact_;  ///< by phase
   double first_duration_ = 0.0;

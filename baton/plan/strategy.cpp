@@ -13,32 +13,10 @@ constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the d
 constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
 constexpr double kSooner = 0.5;        ///< share of what is left of its flight in which a foot may land, to stop
 constexpr double kFalls = 0.1;  ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
-constexpr double kHastyAcceleration = 1.5;  ///< of such a step's joints
-constexpr double kHastySwing = 0.7;         ///< of the height and the shortest time of its swing
-constexpr double kCareful = 2.0;            ///< there, times the margin of the planned ZMP
-
-/// What a step that catches the robot may use up: what is there for a plan to be followed well, not what the robot
-/// needs afterwards to go on from where it stands.
-RobotModel hasty(const RobotModel& robot) {
-  Profile profile = robot.profile();
-  profile.margin.zmp_plan = profile.margin.zmp_feedback;
-  profile.margin.torque = 1.0;
-  profile.margin.acceleration *= kHastyAcceleration;
-  profile.swing.clearance *= kHastySwing;
-  profile.swing.time *= kHastySwing;
-  return RobotModel(std::move(profile));
-}
-
-/// On ground that is not what the map says: a sole may stand on a part of it only.
-RobotModel careful(const RobotModel& robot) {
-  Profile profile = robot.profile();
-  profile.margin.zmp_plan = std::min(kCareful * profile.margin.zmp_plan, profile.margin.stand_on);
-  return RobotModel(std::move(profile));
-}
 
 /// What a planner answered, as an answer to a request.
-std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
-  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+std::variant<std::monostate, PlannedMotion, Refusal> outcome_of(PlanResult planned) {
+  if (auto* motion = std::get_if<PlannedMotion>(&planned)) return std::move(*motion);
   return std::get<Refusal>(std::move(planned));
 }
 
@@ -56,10 +34,9 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
       modes_(modes),
       guide_(robot, world),
       planner_(robot, world, modes.duration),
-      careful_(careful(robot)),
-      careful_planner_(careful_, world, modes.duration),
-      hasty_(hasty(robot)),
-      hasty_planner_(hasty_, world) {}
+      normal_(Limits::normal(robot.profile())),
+      uneven_ground_(Limits::uneven_ground(robot.profile())),
+      push_recovery_(Limits::push_recovery(robot.profile())) {}
 
 Answer Strategy::plan(const Request& request) {
   Answer answer;
@@ -97,54 +74,55 @@ Answer Strategy::attempt_capture(Request request, const Catch& capture) {
 }
 
 Strategy::Outcome Strategy::follow_or_stop(const Request& request, bool stops) {
-  const auto with = [&](Planner& planner) { return stops ? stop(planner, request) : follow(planner, request); };
+  const auto with = [&](const Limits& limits) { return stops ? stop(limits, request) : follow(limits, request); };
   if (request.terrain.uneven) {
-    Outcome outcome = with(careful_planner_);
+    Outcome outcome = with(uneven_ground_);
     if (!std::holds_alternative<Refusal>(outcome)) return outcome;
   }
-  return with(planner_);
+  return with(normal_);
 }
 
-Strategy::Outcome Strategy::follow(Planner& planner, const Request& request) {
-  Outcome whole = resolve(planner, request, guide_.goals(request.start.context, request.command));
+Strategy::Outcome Strategy::follow(const Limits& limits, const Request& request) {
+  Outcome whole = resolve(limits, request, guide_.goals(request.start.context, request.command));
   if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<Motion> part = shrunk(planner, request, std::get<Refusal>(whole));
+  std::optional<PlannedMotion> part = shrunk(limits, request, std::get<Refusal>(whole));
   if (!part) return whole;
   part->limit = std::get<Refusal>(std::move(whole));
   return *std::move(part);
 }
 
-Strategy::Outcome Strategy::resolve(Planner& planner, const Request& request, GuideResult guided) {
+Strategy::Outcome Strategy::resolve(const Limits& limits, const Request& request, GuideResult guided) {
   if (auto* refusal = std::get_if<Refusal>(&guided)) return std::move(*refusal);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
-  return outcome_of(first_of(planner, *goals, request));
+  return outcome_of(first_of(limits, *goals, request));
 }
 
 Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& left) {
   if (!request.start.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
   const Trail& trail = *request.start.trail;
-  PlanResult planned = planner_.retrace(trail, request.start.context.anchor);
+  PlanResult planned = planner_.retrace(trail, request.start.context.anchor, normal_);
   if (auto* refusal = std::get_if<Refusal>(&planned)) {
     if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
-    std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.start.context.anchor, *refusal);
+    std::optional<Planner::PartOfWay> part =
+        planner_.retrace_part(trail, request.start.context.anchor, normal_, *refusal);
     if (!part) return std::move(*refusal);
     left = std::make_shared<const Trail>(trail_to(trail, part->halt));
-    planned = std::move(part->motion);
+    planned = std::move(part->planned);
   }
-  auto& motion = std::get<Motion>(planned);
-  if (std::optional<Refusal> tips = no_stance(motion, request)) return *std::move(tips);
-  return std::move(motion);
+  auto& back = std::get<PlannedMotion>(planned);
+  if (std::optional<Refusal> tips = no_stance(*back.motion, request)) return *std::move(tips);
+  return std::move(back);
 }
 
-Strategy::Outcome Strategy::stop(Planner& planner, const Request& request) {
+Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
   const GuideContext& context = request.start.context;
   if (request.start.sample < 0) {  // at rest: a foot in the air is put down
-    return resolve(planner, request, guide_.goals(context, Command{.guide = request.command.guide}));
+    return resolve(limits, request, guide_.goals(context, Command{.guide = request.command.guide}));
   }
   GuideResult ways = guide_.stops(context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
-  return quickest(planner, std::get<std::vector<Goal>>(ways), request);
+  return quickest(limits, std::get<std::vector<Goal>>(ways), request);
 }
 
 Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capture) {
@@ -162,13 +140,13 @@ Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capt
   double least = capture.lands_in ? lacks(*capture.lands_in, capture.gain) : std::numeric_limits<double>::infinity();
   Outcome best;
   for (const Goal& goal : *goals) {
-    Outcome outcome = quickest(hasty_planner_, {goal}, request);
-    const auto* motion = std::get_if<Motion>(&outcome);
-    if (motion == nullptr) continue;
+    Outcome outcome = quickest(push_recovery_, {goal}, request);
+    const auto* planned = std::get_if<PlannedMotion>(&outcome);
+    if (planned == nullptr) continue;
     const Side side = *goal.swing;
     const Pose& before = context.step ? context.step->to : context.from.sole[other(side)];
     const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
-    const double lack = lacks((tick.lookahead + motion->last_phase()) * tick.period, gained);
+    const double lack = lacks((tick.lookahead + planned->motion->last_phase()) * tick.period, gained);
     if (lack >= least) continue;
     least = lack;
     best = std::move(outcome);
@@ -177,7 +155,7 @@ Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capt
   return best;
 }
 
-Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
+Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {
   std::vector<Posture> starts{request.start.posture};
   if (request.start.posture.flight) {  // the foot may also come down sooner than it was to
     Flight& flight = *starts.emplace_back(request.start.posture).flight;
@@ -185,13 +163,13 @@ Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& 
     flight.rise *= left / flight.left;
     flight.left = left;
   }
-  std::optional<Motion> best;
+  std::optional<PlannedMotion> best;
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
     for (const Posture& start : starts) {
-      PlanResult planned = planner.plan(start, goal, request.start.context.anchor, DurationRule::search);
-      if (auto* motion = std::get_if<Motion>(&planned)) {
-        if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
+      PlanResult planned = planner_.plan(start, goal, request.start.context.anchor, limits, DurationRule::search);
+      if (auto* found = std::get_if<PlannedMotion>(&planned)) {
+        if (!best || found->motion->ticks() < best->motion->ticks()) best = std::move(*found);
       } else if (!against) {
         against = std::get<Refusal>(std::move(planned));
       }
@@ -203,25 +181,25 @@ Strategy::Outcome Strategy::quickest(Planner& planner, const std::vector<Goal>& 
 
 Strategy::Outcome Strategy::halt(const Request& request, const Halt& rest) {
   const Start& start = request.start;
-  return outcome_of(planner_.halt(start.posture, *start.trail, rest, start.context.anchor));
+  return outcome_of(planner_.halt(start.posture, *start.trail, rest, start.context.anchor, normal_));
 }
 
-std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request, const Refusal& against) {
+std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Request& request, const Refusal& against) {
   const Posture& from = request.start.context.from;
   const Command& command = request.command;
   const bool both_stand = from.contact.left && from.contact.right;
   if (request.command.recall != Recall::none ||
       (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
     return std::nullopt;
-  std::optional<Motion> best;
+  std::optional<PlannedMotion> best;
   const auto accepted = [&](Outcome outcome) {
-    auto* motion = std::get_if<Motion>(&outcome);
-    const bool better = motion != nullptr && worth(from, *motion);
-    if (better) best = std::move(*motion);
+    auto* planned = std::get_if<PlannedMotion>(&outcome);
+    const bool better = planned != nullptr && worth(from, *planned->motion);
+    if (better) best = std::move(*planned);
     return better;
   };
   const auto tried = [&](const Command& candidate) {
-    return accepted(resolve(planner, request, guide_.goals(request.start.context, candidate)));
+    return accepted(resolve(limits, request, guide_.goals(request.start.context, candidate)));
   };
   double done = 0.0;
   double refused = 1.0;
@@ -237,9 +215,9 @@ std::optional<Motion> Strategy::shrunk(Planner& planner, const Request& request,
     if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
     const bool edge = against.reason == Reason::ground;
     const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
-    if (edge && accepted(resolve(planner, request, guide_.nearest_step(request.start.context, command)))) return best;
+    if (edge && accepted(resolve(limits, request, guide_.nearest_step(request.start.context, command)))) return best;
     if ((edge || too_far) &&
-        accepted(resolve(planner, request, guide_.other_foot_first(request.start.context, command))))
+        accepted(resolve(limits, request, guide_.other_foot_first(request.start.context, command))))
       return best;
   }
   std::vector<int> axes = guide_.axes_of(command.guide);
@@ -269,13 +247,13 @@ bool Strategy::worth(const Posture& from, const Motion& motion) const {
   return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
 }
 
-PlanResult Strategy::first_of(Planner& planner, const std::vector<Goal>& goals, const Request& request) {
+PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
-    PlanResult planned = planner.plan(request.start.posture, goal, request.start.context.anchor);
-    if (auto* motion = std::get_if<Motion>(&planned)) {
-      std::optional<Refusal> against_it = no_stance(*motion, request);
-      if (!against_it) against_it = no_landing(*motion, request.start.context);
+    PlanResult planned = planner_.plan(request.start.posture, goal, request.start.context.anchor, limits);
+    if (auto* found = std::get_if<PlannedMotion>(&planned)) {
+      std::optional<Refusal> against_it = no_stance(*found->motion, request);
+      if (!against_it) against_it = no_landing(*found->motion, request.start.context);
       if (!against_it) return planned;
       planned = *std::move(against_it);
     }
@@ -304,8 +282,8 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
     for (const Goal& goal : *goals) {
-      PlanResult planned = planner_.plan(end, goal, context.anchor);
-      if (std::holds_alternative<Motion>(planned)) return std::nullopt;
+      PlanResult planned = planner_.plan(end, goal, context.anchor, normal_);
+      if (std::holds_alternative<PlannedMotion>(planned)) return std::nullopt;
       if (!against) against = std::get<Refusal>(planned);
     }
   } else {

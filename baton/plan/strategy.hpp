@@ -14,33 +14,34 @@ class Strategy {
   [[nodiscard]] Answer plan(const Request& request);
 
  private:
-  using Outcome = std::variant<std::monostate, Motion, Refusal>;
+  using Outcome = std::variant<std::monostate, PlannedMotion, Refusal>;
 
   [[nodiscard]] Answer attempt(const Request& request, const Intent& intent);
   [[nodiscard]] Answer attempt_capture(Request request, const Catch& capture);
   /// On uneven ground with a larger margin of the ZMP first.
   [[nodiscard]] Outcome follow_or_stop(const Request& request, bool stops);
   /// What the command asks for, or a part of it.
-  [[nodiscard]] Outcome follow(Planner& planner, const Request& request);
+  [[nodiscard]] Outcome follow(const Limits& limits, const Request& request);
   /// The first goal that has a verified motion.
-  [[nodiscard]] Outcome resolve(Planner& planner, const Request& request, GuideResult guided);
+  [[nodiscard]] Outcome resolve(const Limits& limits, const Request& request, GuideResult guided);
   /// The way back, or the part of it that can be taken; `left` is then what is left of the trail.
   [[nodiscard]] Outcome go_back(const Request& request, std::shared_ptr<const Trail>& left);
   /// The quickest way to rest on both feet.
-  [[nodiscard]] Outcome stop(Planner& planner, const Request& request);
+  [[nodiscard]] Outcome stop(const Limits& limits, const Request& request);
   /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
   [[nodiscard]] Outcome catch_step(const Request& request, const Catch& capture);
   /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
-  [[nodiscard]] Outcome quickest(Planner& planner, const std::vector<Goal>& goals, const Request& request);
+  [[nodiscard]] Outcome quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
   /// To a rest on the trail.
   [[nodiscard]] Outcome halt(const Request& request, const Halt& rest);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
   /// @param against what speaks against the whole
-  [[nodiscard]] std::optional<Motion> shrunk(Planner& planner, const Request& request, const Refusal& against);
+  [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request,
+                                                    const Refusal& against);
   /// Whether the guided part comes anywhere by it.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.
-  [[nodiscard]] PlanResult first_of(Planner& planner, const std::vector<Goal>& goals, const Request& request);
+  [[nodiscard]] PlanResult first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
   /// What speaks against lifting a foot, while the other stands on an edge.
   [[nodiscard]] static std::optional<Refusal> no_stance(const Motion& motion, const Request& request);
   /// What speaks against putting down, from there, a foot that `motion` leaves in the air; none: it can be put down.
@@ -50,10 +51,9 @@ class Strategy {
   Modes modes_;
   Guide guide_;
   Planner planner_;
-  RobotModel careful_;  ///< the robot on ground that is not what the map says
-  Planner careful_planner_;
-  RobotModel hasty_;  ///< the robot with margins for when all that matters is not to fall
-  Planner hasty_planner_;
+  Limits normal_;
+  Limits uneven_ground_;
+  Limits push_recovery_;
 };
 
 }  // namespace baton

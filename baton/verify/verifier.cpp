@@ -62,11 +62,14 @@ class Verifier::Ledger {
   [[nodiscard]] bool violated() const { return violation_.has_value(); }
 
   template <typename Name>
-  [[nodiscard]] std::variant<Certificate, Refusal> result(const Name& name) const {
-    if (violation_) {
-      const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
-      return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_};
-    }
+  [[nodiscard]] std::optional<Refusal> refusal(const Name& name) const {
+    if (!violation_) return std::nullopt;
+    const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
+    return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_};
+  }
+
+  template <typename Name>
+  [[nodiscard]] Certificate certificate(const Name& name) const {
     Certificate certificate;
     for (std::size_t i = 0; i < kReasons; ++i) {
       const Entry& e = entries_[i];
@@ -95,7 +98,7 @@ Verifier::Verifier(const RobotModel& robot, const World& world)
     : robot_(&robot),
       world_(&world),
       kinematics_(robot),
-      forces_(robot),
+      forces_(robot, Limits::normal(robot.profile())),
       obstacles_(robot, world),
       tau_(VecX::Zero(robot.nv() - 6)) {
   const mjModel& m = robot.mj();
@@ -109,8 +112,8 @@ Verifier::Verifier(const RobotModel& robot, const World& world)
 }
 
 void Verifier::check_joints(const MotionSample& sample, double jump, double t, Ledger& ledger) const {
-  const double margin = robot_->profile().margin.joint;
-  const double most = robot_->profile().margin.acceleration;
+  const double margin = bounds_.limits.joint;
+  const double most = bounds_.limits.acceleration;
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
     const Joint& joint = robot_->joints()[j];
     const auto i = static_cast<Eigen::Index>(j);
@@ -124,7 +127,7 @@ void Verifier::check_joints(const MotionSample& sample, double jump, double t, L
 }
 
 void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) {
-  const Profile::Margin& margin = robot_->profile().margin;
+  const Limits& limits = bounds_.limits;
   auto& samples = motion.samples;
   MotionSample& sample = samples[static_cast<std::size_t>(tick)];
   const Wrench total = ground_wrench(kinematics_, sample.force);
@@ -142,12 +145,12 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
     sample.zmp_region = samples[static_cast<std::size_t>(tick) - 1].zmp_region;
   } else {
     support_ = support(sample.contact);
-    sample.zmp_region = std::make_shared<const ConvexPolygon>(support_.inset(margin.zmp_feedback));
+    sample.zmp_region = std::make_shared<const ConvexPolygon>(support_.inset(robot_->profile().margin.zmp_feedback));
   }
   const double inside = changes ? support(contact).margin(sample.zmp) : support_.margin(sample.zmp);
-  ledger.enter(Reason::zmp, Part::trunk, inside, margin.zmp_verify, t, -1);
+  ledger.enter(Reason::zmp, Part::trunk, inside, limits.zmp_verify, t, -1);
   const double friction = total.force.head<2>().norm() / total.force.z();
-  ledger.enter(Reason::friction, Part::trunk, friction, margin.friction, t, -1);
+  ledger.enter(Reason::friction, Part::trunk, friction, limits.friction, t, -1);
   const double missing = forces_.missing(sample.sole, contact, total, sample.com);
   ledger.enter(Reason::contact_wrench, Part::trunk, missing, kMissing, t, -1);
   const auto check_torques = [&](const BySide<bool>& standing) {
@@ -155,7 +158,7 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
       const auto i = static_cast<Eigen::Index>(j);
       const double load = robot_->joints()[j].motor.load(tau_[i], sample.dq[6 + i]);
-      ledger.enter(Reason::joint_torque, Part::trunk, load, margin.torque, t, static_cast<int>(j));
+      ledger.enter(Reason::joint_torque, Part::trunk, load, limits.torque, t, static_cast<int>(j));
     }
   };
   check_torques(sample.contact);
@@ -191,7 +194,7 @@ double Verifier::most_lean(const Motion& motion) {
 
 double Verifier::edge_margin(const Motion& motion) const {
   // Where a foot stood it may stand again, though a millimetre of slip has taken it into the margin.
-  return motion.retraces || motion.goal.returns ? 0.0 : robot_->profile().margin.edge + motion.goal.unsure;
+  return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.unsure;
 }
 
 double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
@@ -199,7 +202,7 @@ double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
   const auto up = first_in_the_air(motion);
   if (most == 0.0 || up == motion.samples.end()) return most;
   const Side swing = up->contact.left ? Side::right : Side::left;
-  const Pose from = anchor * motion.lift_off;
+  const Pose from = anchor * motion.swing.lift_off;
   const ConvexPolygon outline = sole_outline(*robot_, swing, from);
   for (double margin = most; margin > 0.0; margin -= kMarginStep * most) {
     if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContact) return margin;
@@ -212,8 +215,9 @@ double Verifier::lowest(const Motion& motion, const Pose& anchor) const {
   const auto up = first_in_the_air(motion);
   if (up == motion.samples.end()) return kContact;
   const Side swing = up->contact.left ? Side::right : Side::left;
-  const Pose from = anchor * motion.lift_off;
-  const double off = from.p.z() - world_->highest_under(sole_outline(*robot_, swing, from).inset(-swing_margin_));
+  const Pose from = anchor * motion.swing.lift_off;
+  const double off =
+      from.p.z() - world_->highest_under(sole_outline(*robot_, swing, from).inset(-bounds_.swing_margin));
   return std::clamp(off - kSlack, -robot_->profile().ground.flatness, kContact);
 }
 
@@ -226,9 +230,9 @@ double Verifier::clearance(const Motion& motion, std::size_t tick) const {
     const double turn = wrap_angle(yaw_of(there.R) - yaw_of(sample.sole[swing].R));
     return (there.p - sample.sole[swing].p).head<2>().norm() + std::abs(turn) * robot_->profile().reach.foot;
   };
-  double way = travel(motion.lift_off);
+  double way = travel(motion.swing.lift_off);
   if (end.contact[swing]) way = std::min(way, travel(end.sole[swing]));
-  return std::min(kClearance * robot_->profile().swing.clearance, kRise * way);
+  return std::min(kClearance * bounds_.limits.swing_clearance, kRise * way);
 }
 
 void Verifier::check_soles(const Motion& motion, std::size_t tick, const Pose& anchor, Ledger& ledger) const {
@@ -241,8 +245,8 @@ void Verifier::check_soles(const Motion& motion, std::size_t tick, const Pose& a
   const ConvexPolygon stance = sole_outline(*robot_, other(swing), sample.sole[other(swing)]);
   ledger.enter(Reason::sole_gap, foot(swing), separation(outline, stance), profile.region.sole_gap, t, -1);
   const Pose in_world = anchor * sample.sole[swing];
-  const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-swing_margin_));
-  const double least = lowest_ + clearance(motion, tick);
+  const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-bounds_.swing_margin));
+  const double least = bounds_.lowest + clearance(motion, tick);
   ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, least, t, -1);
 }
 
@@ -277,8 +281,8 @@ double Verifier::travel() {
 }
 
 void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, bool first, double t, Ledger& ledger) {
-  const Profile::Margin& margin = robot_->profile().margin;
-  const double near = 4.0 * margin.self_collision + 0.01;  // distances beyond are not told apart
+  const double margin = bounds_.limits.self_collision;
+  const double near = 4.0 * margin + 0.01;  // distances beyond are not told apart
   const auto subject = [](const std::array<int, 2>& pair, int geoms) {
     return pair[0] < 0 ? -1 : pair[0] * geoms + pair[1];
   };
@@ -292,8 +296,8 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
   };
   // Where it is nearer than the margin already, after a slip, it must come no nearer: else it could not leave.
   const auto enter = [&](Gap& gap, Reason reason, double distance, int pair) {
-    const bool near_already = distance > 0.0 && distance < margin.self_collision;
-    if (first) gap.limit = near_already ? distance - kSlack : margin.self_collision;
+    const bool near_already = distance > 0.0 && distance < margin;
+    if (first) gap.limit = near_already ? distance - kSlack : margin;
     gap.room = distance;
     gap.least = std::min({gap.least, distance, near});
     ledger.enter(reason, Part::trunk, std::min(distance, near), gap.limit, t, distance < near ? pair : -1);
@@ -312,7 +316,7 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
   }
 }
 
-std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& anchor) {
+std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose& anchor, const Limits& limits) {
   Ledger ledger;
   const auto name = [this](Reason quantity, int subject) -> std::string {
     if (subject < 0) return "";
@@ -325,8 +329,10 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     return fmt::format("{} and {}", name_of(robot_->mj(), mjOBJ_GEOM, subject / n),
                        name_of(robot_->mj(), mjOBJ_GEOM, subject % n));
   };
-  swing_margin_ = swing_margin(motion, anchor);
-  lowest_ = lowest(motion, anchor);
+  bounds_.limits = limits;
+  forces_.set(limits);
+  bounds_.swing_margin = swing_margin(motion, anchor);
+  bounds_.lowest = lowest(motion, anchor);
   // What is cheap first, and to the end: how far a speed is off says how much longer the motion must take.
   for (int k = 0; k <= motion.ticks(); ++k) {
     const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
@@ -337,18 +343,19 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     check_soles(motion, static_cast<std::size_t>(k), anchor, ledger);
   }
   check_footholds(motion, anchor, ledger);
-  lean_ = most_lean(motion);
+  bounds_.lean = most_lean(motion);
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     const double t = k * motion.period;
     sample.force.resize(robot_->nv());
     kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
     check_tracking(sample, t, ledger);
-    ledger.enter(Reason::trunk_inclination, Part::trunk, tilt_of(kinematics_.trunk().R), lean_, t, -1);
+    ledger.enter(Reason::trunk_inclination, Part::trunk, tilt_of(kinematics_.trunk().R), bounds_.lean, t, -1);
     check_wrench(motion, k, t, ledger);
     check_distances(sample, anchor, k == 0, t, ledger);
   }
-  return ledger.result(name);
+  if (std::optional<Refusal> refusal = ledger.refusal(name)) return *std::move(refusal);
+  return VerifiedMotion(std::move(motion), ledger.certificate(name));
 }
 
 }  // namespace baton

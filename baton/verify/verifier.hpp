@@ -1,13 +1,14 @@
-/// Candidate motion → certificate or refusal: every limit, on the whole-body model, at every tick.
+/// Candidate motion → verified motion or refusal: every limit, on the whole-body model, at every tick.
 #pragma once
 
 #include <limits>
 #include <variant>
 
 #include "baton/model/contact.hpp"
+#include "baton/model/limits.hpp"
 #include "baton/model/world.hpp"
-#include "baton/motion/motion.hpp"
 #include "baton/verify/obstacles.hpp"
+#include "baton/verify/verified_motion.hpp"
 #include "baton/verify/vertex_forces.hpp"
 
 namespace baton {
@@ -21,10 +22,11 @@ class Verifier {
   /// posture and plan, how far the trunk leans, the contact wrench of the whole body (ZMP, friction, forces at the
   /// soles' vertices), the gap of the soles, the swing sole over the ground and the footholds, all at every tick;
   /// self-collision and obstacles wherever links have moved far enough to change the least distance. Ends at a
-  /// violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
+  /// violation. Completes the samples on the way: force, ZMP and where
+  /// that may be commanded.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
-  [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor);
+  [[nodiscard]] std::variant<VerifiedMotion, Refusal> verify(Motion motion, const Pose& anchor, const Limits& limits);
 
  private:
   class Ledger;
@@ -56,9 +58,14 @@ class Verifier {
   VertexForces forces_;
   Obstacles obstacles_;
   VecX tau_;
-  double swing_margin_ = 0.0;
-  double lowest_ = 0.0;
-  double lean_ = 0.0;      ///< the largest tilt of the trunk [rad]
+  /// What the motion under verification is held to.
+  struct Bounds {
+    Limits limits;
+    double swing_margin = 0.0;  ///< [m]
+    double lowest = 0.0;        ///< [m]
+    double lean = 0.0;          ///< the largest tilt of the trunk [rad]
+  };
+  Bounds bounds_;
   ConvexPolygon support_;  ///< of the soles that stand
   VecX in_world_;
 

@@ -18,12 +18,18 @@ struct VertexForces::Workspace {
   VecX g, ce, ci, f;
 };
 
-VertexForces::VertexForces(const RobotModel& robot) : robot_(&robot), w_(std::make_unique<Workspace>()) {
-  for (const Side side : kSides)
-    vertices_[side] = robot.sole(side).inset(robot.profile().margin.zmp_verify).vertices();
+VertexForces::VertexForces(const RobotModel& robot, const Limits& limits)
+    : robot_(&robot), w_(std::make_unique<Workspace>()) {
+  set(limits);
 }
 
 VertexForces::~VertexForces() = default;
+
+void VertexForces::set(const Limits& limits) {
+  for (const Side side : kSides)
+    vertices_[side] = robot_->sole(side).inset(limits.zmp_verify).vertices();
+  friction_ = limits.friction;
+}
 
 double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total,
                              const Vec3& com) {
@@ -35,7 +41,7 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
   const double weight = robot_->mass() * kGravity;
   const double length = robot_->profile().stance.com_height;
   // A pyramid inside the cone.
-  const double mu = robot_->profile().margin.friction / std::sqrt(2.0);
+  const double mu = friction_ / std::sqrt(2.0);
   w.G.setZero(6, 3 * n);
   Eigen::Matrix<double, 6, 6> gram = kRegularisation * Eigen::Matrix<double, 6, 6>::Identity();
   Eigen::Index i = 0;

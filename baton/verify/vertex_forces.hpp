@@ -5,15 +5,18 @@
 #include <memory>
 
 #include "baton/model/contact.hpp"
+#include "baton/model/limits.hpp"
 
 namespace baton {
 
 class VertexForces {
  public:
-  /// Soles are taken smaller by the profile's `margin.zmp_verify`, friction as its `margin.friction`.
   /// The model must outlive the object.
-  explicit VertexForces(const RobotModel& robot);
+  VertexForces(const RobotModel& robot, const Limits& limits);
   ~VertexForces();
+
+  /// From now on soles are taken smaller by these limits' `zmp_verify`, and friction as their `friction`.
+  void set(const Limits& limits);
 
   /// Share of the weight that no such forces give, moments counted at the length of the nominal COM height: 0 if the
   /// wrench can be had. The minimiser of |G f − w|² + ε|f|² over the pyramids.
@@ -26,6 +29,7 @@ class VertexForces {
   struct Workspace;
   const RobotModel* robot_;
   BySide<std::vector<Vec2>> vertices_;
+  double friction_ = 0.0;
   std::unique_ptr<Workspace> w_;
 };
 

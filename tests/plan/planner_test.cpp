@@ -14,13 +14,14 @@ class PlannerTest : public testing::TestWithParam<std::string> {
  protected:
   const RobotModel& robot_ = test::robot(GetParam());
   const World world_ = World::load("flat");
+  const Limits limits_ = Limits::normal(robot_.profile());
   const double size_ = robot_.profile().stance.com_height / 0.26;
 };
 
 INSTANTIATE_TEST_SUITE_P(Robots, PlannerTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
-double worst(const Motion& motion, Reason quantity) {
-  for (const Margin& margin : motion.certificate.margins) {
+double worst(const VerifiedMotion& motion, Reason quantity) {
+  for (const Margin& margin : motion.certificate().margins) {
     if (margin.quantity == quantity) return margin.value;
   }
   ADD_FAILURE() << "not verified: " << to_string(quantity);
@@ -31,7 +32,8 @@ TEST_P(PlannerTest, TheZmpIsPlannedForTheWholeBody) {
   // The knots are the whole body's ZMP: between the first and the last instant, where accelerations jump, what inverse
   // dynamics finds is what was planned.
   std::vector<double> errors;
-  for (const Motion& motion : test::sample_motions(GetParam())) {
+  for (const VerifiedMotion& verified : test::sample_motions(GetParam())) {
+    const Motion& motion = *verified;
     double error = 0.0;
     for (int k = 2; k < motion.ticks() - 1; ++k) {
       const ComState com = motion.com.at(k * motion.period);
@@ -60,24 +62,24 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
     const GuideResult guided = guide.goals(context, test::in_turn(k, random));
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);
     if (goals == nullptr) continue;
-    PlanResult a = paper.plan(context.from, goals->front(), context.anchor);
-    PlanResult b = search.plan(context.from, goals->front(), context.anchor);
-    auto* slow = std::get_if<Motion>(&a);
-    auto* quick = std::get_if<Motion>(&b);
+    PlanResult a = paper.plan(context.from, goals->front(), context.anchor, limits_);
+    PlanResult b = search.plan(context.from, goals->front(), context.anchor, limits_);
+    const auto* slow = std::get_if<PlannedMotion>(&a);
+    const auto* quick = std::get_if<PlannedMotion>(&b);
     if (quick != nullptr) {
-      EXPECT_GE(worst(*quick, Reason::zmp), robot_.profile().margin.zmp_verify);
-      EXPECT_LE(worst(*quick, Reason::joint_torque), robot_.profile().margin.torque);
-      EXPECT_LE(quick->duration(), robot_.profile().duration.max + 1e-9);
+      EXPECT_GE(worst(quick->motion, Reason::zmp), robot_.profile().margin.zmp_verify);
+      EXPECT_LE(worst(quick->motion, Reason::joint_torque), robot_.profile().margin.torque);
+      EXPECT_LE(quick->motion->duration(), robot_.profile().duration.max + 1e-9);
     }
     if (slow == nullptr) continue;
     only_paper += quick == nullptr ? 1 : 0;
     if (quick != nullptr) {
       ++both;
-      longer += quick->duration() > slow->duration() + 1e-9 ? 1 : 0;
-      sum_paper += slow->duration();
-      sum_search += quick->duration();
+      longer += quick->motion->duration() > slow->motion->duration() + 1e-9 ? 1 : 0;
+      sum_paper += slow->motion->duration();
+      sum_search += quick->motion->duration();
     }
-    test::go_on(context, *slow);
+    test::go_on(context, *slow->motion);
   }
   EXPECT_GT(both, 50);
   EXPECT_LE(longer, both / 10);
@@ -88,27 +90,26 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
 TEST_P(PlannerTest, ATorqueIsSeldomRefusedWhereALongerDurationWouldDo) {
   // The paper's rule gives up where longer durations seem to be in vain; the search goes on to the longest.
   const Guide guide(robot_, world_);
+  Planner paper(robot_, world_, DurationRule::paper);
+  Planner search(robot_, world_, DurationRule::search);
   std::mt19937_64 random(37);
   int refused = 0;
   int found = 0;
   for (const double share : {0.4, 0.45, 0.5, 0.6}) {  // of the motors' torque: enough for some of it
-    Profile profile = robot_.profile();
-    profile.margin.torque = share;
-    const RobotModel weak(profile);
-    Planner paper(weak, world_, DurationRule::paper);
-    Planner search(weak, world_, DurationRule::search);
+    Limits weak = limits_;
+    weak.torque = share;
     GuideContext context = test::at_home(robot_);
     for (std::size_t k = 0; k < 60; ++k) {
       const GuideResult guided = guide.goals(context, test::in_turn(k, random));
       const auto* goals = std::get_if<std::vector<Goal>>(&guided);
       if (goals == nullptr) continue;
-      PlanResult a = paper.plan(context.from, goals->front(), context.anchor);
-      if (auto* motion = std::get_if<Motion>(&a)) {
-        test::go_on(context, *motion);
+      PlanResult a = paper.plan(context.from, goals->front(), context.anchor, weak);
+      if (const auto* planned = std::get_if<PlannedMotion>(&a)) {
+        test::go_on(context, *planned->motion);
       } else if (std::get<Refusal>(a).reason == Reason::joint_torque) {
         ++refused;
-        const PlanResult b = search.plan(context.from, goals->front(), context.anchor);
-        found += std::holds_alternative<Motion>(b) ? 1 : 0;
+        const PlanResult b = search.plan(context.from, goals->front(), context.anchor, weak);
+        found += std::holds_alternative<PlannedMotion>(b) ? 1 : 0;
       }
     }
   }
@@ -129,16 +130,16 @@ TEST_P(PlannerTest, AFootInTheAirThatLandsBesideGoesThereBeforeItSinks) {
     const Side side = side_of(up.guide);
     up.lift[side] = 0.5;
     const GuideResult lifted = guide.goals(at_home, up);
-    PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{});
-    ASSERT_TRUE(std::holds_alternative<Motion>(lift));
-    const Posture hanging = std::get<Motion>(lift).end;
+    PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{}, limits_);
+    ASSERT_TRUE(std::holds_alternative<PlannedMotion>(lift));
+    const Posture hanging = std::get<PlannedMotion>(lift).motion->end;
     const GuideResult landings = guide.landings({hanging, at_home.anchor, at_home.last_step, at_home.foothold}, side);
     Goal goal = std::get<std::vector<Goal>>(landings).front();
     goal.sole[side].p += size_ * Vec3(0.04 * unit(random), sign_of(side) * 0.01 * (1.0 + unit(random)), 0);
     const Vec3 way = goal.sole[side].p - hanging.sole[side].p;
-    PlanResult planned = planner.plan(hanging, goal, Pose{});
-    if (way.head<2>().norm() < 0.005 * size_ || !std::holds_alternative<Motion>(planned)) continue;
-    for (const MotionSample& sample : std::get<Motion>(planned).samples) {
+    PlanResult planned = planner.plan(hanging, goal, Pose{}, limits_);
+    if (way.head<2>().norm() < 0.005 * size_ || !std::holds_alternative<PlannedMotion>(planned)) continue;
+    for (const MotionSample& sample : std::get<PlannedMotion>(planned).motion->samples) {
       const Vec3 gone = sample.sole[side].p - hanging.sole[side].p;
       if (gone.z() / way.z() > 0.01) {
         EXPECT_GT(gone.head<2>().norm(), 0.6 * way.head<2>().norm());
@@ -153,15 +154,15 @@ TEST_P(PlannerTest, AMotionRunBackwardsHasTheSameMargins) {
   Planner planner(robot_, world_);
   Posture from = stand(robot_, Pose{}, robot_.profile().stance.com_height);
   int checked = 0;
-  for (const Motion& motion : test::sample_motions(GetParam())) {
-    const Trail trail = trail_of(from, motion);
-    const PlanResult back = planner.retrace(trail, Pose{});
-    ASSERT_TRUE(std::holds_alternative<Motion>(back)) << to_string(std::get<Refusal>(back).reason);
-    const auto& reverse = std::get<Motion>(back);
+  for (const VerifiedMotion& motion : test::sample_motions(GetParam())) {
+    const Trail trail = trail_of(from, *motion);
+    const PlanResult back = planner.retrace(trail, Pose{}, limits_);
+    ASSERT_TRUE(std::holds_alternative<PlannedMotion>(back)) << to_string(std::get<Refusal>(back).reason);
+    const VerifiedMotion& reverse = std::get<PlannedMotion>(back).motion;
     for (const Reason quantity : {Reason::zmp, Reason::joint_torque, Reason::joint_speed, Reason::friction})
       EXPECT_NEAR(worst(reverse, quantity), worst(motion, quantity), 1e-6 * (1.0 + std::abs(worst(motion, quantity))));
-    EXPECT_EQ(reverse.end.q, from.q);
-    EXPECT_EQ(reverse.samples.front().q, motion.end.q);
+    EXPECT_EQ(reverse->end.q, from.q);
+    EXPECT_EQ(reverse->samples.front().q, motion.end.q);
     ++checked;
     from = motion.end;
   }

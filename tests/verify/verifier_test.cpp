@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iomanip>
 #include <random>
+#include <type_traits>
 
 #include "tests/verify/sample_motions.hpp"
 
@@ -19,9 +20,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 class VerifierTest : public testing::TestWithParam<std::string> {
  protected:
   /// The first sample motion that has a single support.
-  [[nodiscard]] Motion step() const {
-    for (const Motion& motion : motions_) {
-      if (motion.goal.kind == SegmentKind::step) return motion;
+  [[nodiscard]] Motion step() const { return *verified_step(); }
+  [[nodiscard]] VerifiedMotion verified_step() const {
+    for (const VerifiedMotion& motion : motions_) {
+      if (motion->goal.kind == SegmentKind::step) return motion;
     }
     ADD_FAILURE() << "no step among the sample motions";
     return motions_.front();
@@ -40,19 +42,23 @@ class VerifierTest : public testing::TestWithParam<std::string> {
   }
 
   [[nodiscard]] Refusal refusal_of(Motion motion) { return refusal_of(std::move(motion), verifier_); }
-  [[nodiscard]] static Refusal refusal_of(Motion motion, Verifier& verifier) {
-    const auto verdict = verifier.verify(motion, Pose{});
+  [[nodiscard]] Refusal refusal_of(Motion motion, Verifier& verifier) const {
+    return refusal_of(std::move(motion), verifier, limits_);
+  }
+  [[nodiscard]] static Refusal refusal_of(Motion motion, Verifier& verifier, const Limits& limits) {
+    const auto verdict = verifier.verify(std::move(motion), Pose{}, limits);
     if (const auto* refusal = std::get_if<Refusal>(&verdict)) return *refusal;
     ADD_FAILURE() << "verified";
     return {};
   }
 
   [[nodiscard]] Certificate certificate_of(Motion motion, const Pose& anchor = {}) {
-    return certificate_of(std::move(motion), verifier_, anchor);
+    return certificate_of(std::move(motion), verifier_, limits_, anchor);
   }
-  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Pose& anchor = {}) {
-    const auto verdict = verifier.verify(motion, anchor);
-    if (const auto* certificate = std::get_if<Certificate>(&verdict)) return *certificate;
+  [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Limits& limits,
+                                                  const Pose& anchor = {}) {
+    const auto verdict = verifier.verify(std::move(motion), anchor, limits);
+    if (const auto* verified = std::get_if<VerifiedMotion>(&verdict)) return verified->certificate();
     const Refusal& refusal = std::get<Refusal>(verdict);
     ADD_FAILURE() << "refused: " << to_string(refusal.reason) << " " << refusal.value << " " << refusal.limit;
     return {};
@@ -64,7 +70,8 @@ class VerifierTest : public testing::TestWithParam<std::string> {
 
   const RobotModel& robot_ = test::robot(GetParam());
   const Profile::Margin& margin_ = robot_.profile().margin;
-  const std::vector<Motion>& motions_ = test::sample_motions(GetParam());
+  const Limits limits_ = Limits::normal(robot_.profile());
+  const std::vector<VerifiedMotion>& motions_ = test::sample_motions(GetParam());
   const World world_ = World::load("flat");
   Verifier verifier_{robot_, world_};
   const double size_ = robot_.profile().stance.com_height;
@@ -72,28 +79,49 @@ class VerifierTest : public testing::TestWithParam<std::string> {
 
 INSTANTIATE_TEST_SUITE_P(Robots, VerifierTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
+// Nobody but the verifier makes a verified motion, or changes one.
+static_assert(!std::is_default_constructible_v<VerifiedMotion> && !std::is_aggregate_v<VerifiedMotion>);
+static_assert(!std::is_constructible_v<VerifiedMotion, Motion> && !std::is_constructible_v<VerifiedMotion, Motion&>);
+static_assert(!std::is_constructible_v<VerifiedMotion, Motion, Certificate>);
+static_assert(std::is_same_v<decltype(*std::declval<VerifiedMotion&>()), const Motion&>);
+static_assert(std::is_same_v<decltype(std::declval<VerifiedMotion&>().operator->()), const Motion*>);
+static_assert(std::is_same_v<decltype(std::declval<VerifiedMotion&>().certificate()), const Certificate&>);
+static_assert(std::is_nothrow_move_constructible_v<VerifiedMotion> &&
+              std::is_nothrow_move_assignable_v<VerifiedMotion>);
+
+TEST_P(VerifierTest, HandlesOfAVerifiedMotionShareIt) {
+  const VerifiedMotion motion = motions_.front();
+  const VerifiedMotion& copy = motion;
+  EXPECT_EQ(&*copy, &*motions_.front());
+  // A copy of the motion is its own, and has to be verified anew.
+  Motion changed = *motion;
+  changed.samples[1].q[7] += 1.0;
+  EXPECT_NE(changed.samples[1].q, motion->samples[1].q);
+  EXPECT_TRUE(std::holds_alternative<Refusal>(verifier_.verify(std::move(changed), Pose{}, limits_)));
+}
+
 TEST_P(VerifierTest, VerifiesAgainWhatItVerified) {
   ASSERT_GT(motions_.size(), 15u);
-  for (const Motion& motion : motions_) {
-    const Certificate again = certificate_of(motion);
-    ASSERT_EQ(again.margins.size(), motion.certificate.margins.size());
+  for (const VerifiedMotion& motion : motions_) {
+    const Certificate again = certificate_of(*motion);
+    ASSERT_EQ(again.margins.size(), motion.certificate().margins.size());
     for (std::size_t i = 0; i < again.margins.size(); ++i) {
-      EXPECT_EQ(again.margins[i].quantity, motion.certificate.margins[i].quantity);
-      EXPECT_EQ(again.margins[i].value, motion.certificate.margins[i].value);
-      EXPECT_EQ(again.margins[i].t, motion.certificate.margins[i].t);
+      EXPECT_EQ(again.margins[i].quantity, motion.certificate().margins[i].quantity);
+      EXPECT_EQ(again.margins[i].value, motion.certificate().margins[i].value);
+      EXPECT_EQ(again.margins[i].t, motion.certificate().margins[i].t);
       EXPECT_GE(again.margins[i].t, 0.0);
-      EXPECT_LE(again.margins[i].t, motion.duration() + 1e-12);
+      EXPECT_LE(again.margins[i].t, motion->duration() + 1e-12);
     }
   }
 }
 
 TEST_P(VerifierTest, DoesNotMindWhereOnAnEndlessFloorItHappens) {
   const Pose anchor{Vec3(1.5, -0.7, 0.0), rotation_z(2.0)};
-  for (const Motion& motion : motions_) {
-    const Certificate there = certificate_of(motion, anchor);
-    ASSERT_EQ(there.margins.size(), motion.certificate.margins.size());
+  for (const VerifiedMotion& motion : motions_) {
+    const Certificate there = certificate_of(*motion, anchor);
+    ASSERT_EQ(there.margins.size(), motion.certificate().margins.size());
     for (std::size_t i = 0; i < there.margins.size(); ++i) {
-      EXPECT_NEAR(there.margins[i].value, motion.certificate.margins[i].value, 1e-6)
+      EXPECT_NEAR(there.margins[i].value, motion.certificate().margins[i].value, 1e-6)
           << to_string(there.margins[i].quantity);
     }
   }
@@ -132,11 +160,9 @@ TEST_P(VerifierTest, RefusesATorqueThatTheMotorHasNot) {
   // For the motor's own inertia alone; that of the link comes on top.
   const double inertia = robot_.mj().dof_armature[arm_dof()];
   sample.ddq[arm_dof()] = 1.1 * arm_joint().motor.stall / inertia;
-  Profile profile = robot_.profile();
-  profile.margin.acceleration = 1e5;  // or that would be the reason
-  const RobotModel jerky(profile);
-  Verifier verifier(jerky, world_);
-  const Refusal refusal = refusal_of(motion, verifier);
+  Limits jerky = limits_;
+  jerky.acceleration = 1e5;  // or that would be the reason
+  const Refusal refusal = refusal_of(motion, verifier_, jerky);
   EXPECT_EQ(refusal.reason, Reason::joint_torque) << to_string(refusal.reason) << " " << refusal.value;
   EXPECT_EQ(refusal.limit, margin_.torque);
   EXPECT_EQ(refusal.where, arm_joint().name);
@@ -207,28 +233,26 @@ TEST_P(VerifierTest, RefusesATrunkThatLeansTooFarUnlessItStraightensUp) {
   Motion straightens = motion;
   for (std::size_t tick = 0; tick <= middle; ++tick)
     lean(straightens, tick, most + 0.02);
-  const auto verdict = verifier.verify(straightens, Pose{});
+  const auto verdict = verifier.verify(straightens, Pose{}, limits_);
   const auto* other = std::get_if<Refusal>(&verdict);
   EXPECT_TRUE(other == nullptr || other->reason != Reason::trunk_inclination);
 }
 
 TEST_P(VerifierTest, RefusesAWrenchThatNoForcesAtTheSolesGive) {
   // Ground hardly less slippery than the tangential force as a whole: the pyramids at the vertices cannot give it.
-  const Motion motion = step();
-  Profile profile = robot_.profile();
-  for (const Margin& margin : motion.certificate.margins) {
-    if (margin.quantity == Reason::friction) profile.margin.friction = 1.05 * margin.value;
+  const VerifiedMotion motion = verified_step();
+  Limits slippery = limits_;
+  for (const Margin& margin : motion.certificate().margins) {
+    if (margin.quantity == Reason::friction) slippery.friction = 1.05 * margin.value;
   }
-  const RobotModel slippery(profile);
-  Verifier verifier(slippery, world_);
-  const Refusal refusal = refusal_of(motion, verifier);
+  const Refusal refusal = refusal_of(*motion, verifier_, slippery);
   EXPECT_EQ(refusal.reason, Reason::contact_wrench) << to_string(refusal.reason);
   EXPECT_GT(refusal.value, refusal.limit);
 }
 
 TEST_P(VerifierTest, AYawTorqueBeyondTheFrictionOfTheSolesCannotBeHad) {
-  const MotionSample& sample = motions_.front().samples.front();
-  VertexForces forces(robot_);
+  const MotionSample& sample = motions_.front()->samples.front();
+  VertexForces forces(robot_, limits_);
   const double weight = robot_.mass() * kGravity;
   double lever = 0.0;
   for (const Side side : kSides) {
@@ -252,7 +276,7 @@ TEST_P(VerifierTest, VertexForcesGiveWhatForcesAtTheVerticesGive) {
   // Any wrench made of forces inside the pyramids can be had; what pulls, slips or tips cannot.
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  VertexForces forces(robot_);
+  VertexForces forces(robot_, limits_);
   const double mu = margin_.friction / std::sqrt(2.0);
   const double weight = robot_.mass() * kGravity;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -313,8 +337,8 @@ TEST_P(VerifierTest, TheLessSureThePlaceTheFartherFromEdgesALandingMustBe) {
   Verifier verifier(robot_, world);
   for (const double unsure : {0.0, 0.4, 0.6, 1.0}) {
     motion.goal.unsure = unsure * margin_.edge;
-    const auto verdict = verifier.verify(motion, Pose{});
-    ASSERT_EQ(std::holds_alternative<Certificate>(verdict), unsure < 0.5) << unsure;
+    const auto verdict = verifier.verify(motion, Pose{}, limits_);
+    ASSERT_EQ(std::holds_alternative<VerifiedMotion>(verdict), unsure < 0.5) << unsure;
     if (unsure < 0.5) continue;
     EXPECT_EQ(std::get<Refusal>(verdict).reason, Reason::ground);
   }
@@ -415,11 +439,11 @@ TEST_P(VerifierTest, AFootThatStandsALittleLowerThanTheMapSaysMayLeave) {
   const double flatness = robot_.profile().ground.flatness;
   for (double share = -0.9; share < 1.0; share += 0.1) {  // of what a foothold may be off
     Motion motion = step();
-    const auto verdict = verifier.verify(motion, {Vec3(0, 0, share * flatness), Mat3::Identity()});
-    EXPECT_TRUE(std::holds_alternative<Certificate>(verdict)) << share;
+    const auto verdict = verifier.verify(motion, {Vec3(0, 0, share * flatness), Mat3::Identity()}, limits_);
+    EXPECT_TRUE(std::holds_alternative<VerifiedMotion>(verdict)) << share;
   }
   Motion motion = step();
-  const auto verdict = verifier.verify(motion, {Vec3(0, 0, -1.5 * flatness), Mat3::Identity()});
+  const auto verdict = verifier.verify(motion, {Vec3(0, 0, -1.5 * flatness), Mat3::Identity()}, limits_);
   EXPECT_TRUE(std::holds_alternative<Refusal>(verdict)) << "but not from below it";
 }
 
@@ -489,8 +513,8 @@ TEST_P(VerifierTest, FromTooNearAThingItMayLeaveButNotComeNearer) {
     ASSERT_NEAR(distance, 0.5 * margin_.self_collision, 1e-5);
     Verifier verifier(robot_, *world);
     Motion moves = motion;
-    const auto verdict = verifier.verify(moves, Pose{});
-    ASSERT_EQ(std::holds_alternative<Certificate>(verdict), direction < 0.0);
+    const auto verdict = verifier.verify(moves, Pose{}, limits_);
+    ASSERT_EQ(std::holds_alternative<VerifiedMotion>(verdict), direction < 0.0);
     if (const auto* refusal = std::get_if<Refusal>(&verdict)) {
       EXPECT_EQ(refusal->reason, Reason::obstacle);
     }
@@ -508,7 +532,7 @@ TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {
     const World in_the_way = floor_with_box(GetParam(), hand, half);
     Verifier verifier(robot_, in_the_way);
     Motion hits = motion;
-    const auto verdict = verifier.verify(hits, anchor);
+    const auto verdict = verifier.verify(hits, anchor, limits_);
     ASSERT_TRUE(std::holds_alternative<Refusal>(verdict));
     const auto& refusal = std::get<Refusal>(verdict);
     EXPECT_EQ(refusal.reason, Reason::obstacle) << to_string(refusal.reason);
@@ -518,13 +542,13 @@ TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {
 
     const World beside = floor_with_box(GetParam(), anchor * Vec3(0, 10 * size_, size_), half);
     Verifier free(robot_, beside);
-    EXPECT_FALSE(certificate_of(motion, free, anchor).margins.empty());
+    EXPECT_FALSE(certificate_of(motion, free, limits_, anchor).margins.empty());
   }
 }
 
 TEST_P(VerifierTest, MeasuresTheDistanceToAThing) {
   // A crate outside the left hand at known distances: the least distance appears in the certificate.
-  const Motion& motion = motions_.front();
+  const Motion& motion = *motions_.front();
   Kinematics kinematics(robot_);
   for (const double gap : {1.5, 2.0, 3.0}) {
     double outmost = -std::numeric_limits<double>::infinity();
@@ -554,7 +578,7 @@ TEST_P(VerifierTest, MeasuresTheDistanceToAThing) {
     const double distance = gap * margin_.self_collision;
     const World wall = floor_with_box(GetParam(), Vec3(0, outmost + distance + half, 0), half);
     Verifier verifier(robot_, wall);
-    const Certificate certificate = certificate_of(motion, verifier);
+    const Certificate certificate = certificate_of(motion, verifier, limits_);
     bool found = false;
     for (const Margin& margin : certificate.margins) {
       if (margin.quantity != Reason::obstacle) continue;
@@ -606,26 +630,27 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
   // With a limit a little beyond the value that the certificate gives, the motion passes; a little short of
   // it, it is refused for that very reason, with that value.
   for (std::size_t i = 0; i < motions_.size(); i += 6) {
-    const Motion& motion = motions_[i];
-    for (const Margin& margin : motion.certificate.margins) {
+    const VerifiedMotion& motion = motions_[i];
+    for (const Margin& margin : motion.certificate().margins) {
       for (const bool strict : {false, true}) {
         Profile profile = robot_.profile();
+        Limits limits = limits_;
         const double tiny = (strict ? 1e-6 : -1e-6) * (1.0 + std::abs(margin.value));
         switch (margin.quantity) {
           case Reason::zmp:
-            profile.margin.zmp_verify = margin.value + tiny;
+            limits.zmp_verify = margin.value + tiny;
             break;
           case Reason::joint_limit:
-            profile.margin.joint = margin.value + tiny;
+            limits.joint = margin.value + tiny;
             break;
           case Reason::joint_acceleration:
-            profile.margin.acceleration = margin.value - tiny;
+            limits.acceleration = margin.value - tiny;
             break;
           case Reason::joint_torque:
-            profile.margin.torque = margin.value - tiny;
+            limits.torque = margin.value - tiny;
             break;
           case Reason::friction:
-            profile.margin.friction = margin.value - tiny;
+            limits.friction = margin.value - tiny;
             break;
           case Reason::sole_gap:
             profile.region.sole_gap = margin.value + tiny;
@@ -638,15 +663,15 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
         if (margin.quantity == Reason::zmp || margin.quantity == Reason::friction) {
           // Forces at the vertices meet these limits too, and have less room.
           if (!strict) continue;
-          const Reason reason = refusal_of(motion, verifier).reason;
+          const Reason reason = refusal_of(*motion, verifier, limits).reason;
           EXPECT_TRUE(reason == margin.quantity || reason == Reason::contact_wrench) << to_string(reason);
           continue;
         }
         if (!strict) {
-          EXPECT_FALSE(certificate_of(motion, verifier).margins.empty()) << to_string(margin.quantity);
+          EXPECT_FALSE(certificate_of(*motion, verifier, limits).margins.empty()) << to_string(margin.quantity);
           continue;
         }
-        const Refusal refusal = refusal_of(motion, verifier);
+        const Refusal refusal = refusal_of(*motion, verifier, limits);
         EXPECT_EQ(refusal.reason, margin.quantity) << to_string(refusal.reason);
         EXPECT_NEAR(refusal.value, margin.value, 2e-6 * (1.0 + std::abs(margin.value)));
         EXPECT_EQ(refusal.where, margin.where);
@@ -686,7 +711,8 @@ Vec2 zmp_by_momentum(const RobotModel& robot, const MotionSample& sample) {
 
 TEST_P(VerifierTest, TheZmpIsThatOfTheMomentum) {
   int checked = 0;
-  for (const Motion& motion : motions_) {
+  for (const VerifiedMotion& verified : motions_) {
+    const Motion& motion = *verified;
     // The soles lie on the floor: the support polygon is the hull of their corners.
     double worst = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < motion.samples.size(); ++k) {
@@ -708,7 +734,7 @@ TEST_P(VerifierTest, TheZmpIsThatOfTheMomentum) {
       worst = std::min(worst, ConvexPolygon::hull(corners).margin(zmp));
       ++checked;
     }
-    for (const Margin& margin : motion.certificate.margins) {
+    for (const Margin& margin : verified.certificate().margins) {
       if (margin.quantity != Reason::zmp) continue;
       EXPECT_NEAR(margin.value, worst, 2e-5 * size_);
     }
@@ -726,7 +752,7 @@ TEST_P(VerifierTest, TheTorqueIsThatOfInverseDynamicsInTheWholeModel) {
   Kinematics kinematics(robot_);
   JacobianRows jacobian(6, robot_.nv());
   for (std::size_t i = 0; i < motions_.size(); i += 2) {
-    const Motion& motion = motions_[i];
+    const Motion& motion = *motions_[i];
     double worst = 0.0;
     for (const MotionSample& sample : motion.samples) {
       mju_copy(data->qpos, sample.q.data(), model->nq);
@@ -752,7 +778,7 @@ TEST_P(VerifierTest, TheTorqueIsThatOfInverseDynamicsInTheWholeModel) {
         worst = std::max(worst, (std::abs(tau[dof]) + motor.damping * std::abs(sample.dq[dof])) / motor.stall);
       }
     }
-    for (const Margin& margin : motion.certificate.margins) {
+    for (const Margin& margin : motions_[i].certificate().margins) {
       if (margin.quantity != Reason::joint_torque) continue;
       EXPECT_NEAR(margin.value, worst, 1e-6);
     }

@@ -1,0 +1,43 @@
+#include "baton/model/limits.hpp"
+
+#include <algorithm>
+
+namespace baton {
+namespace {
+
+constexpr double kUnevenZmp = 2.0;         ///< factor on the margin of the planned ZMP, on uneven ground
+constexpr double kPushAcceleration = 1.5;  ///< factor on the acceleration of joints, of a step that catches the robot
+constexpr double kPushSwing = 0.7;         ///< factor on the height and the shortest time of its swing
+
+}  // namespace
+
+Limits Limits::normal(const Profile& profile) {
+  return {.zmp_plan = profile.margin.zmp_plan,
+          .zmp_verify = profile.margin.zmp_verify,
+          .joint = profile.margin.joint,
+          .torque = profile.margin.torque,
+          .acceleration = profile.margin.acceleration,
+          .friction = profile.margin.friction,
+          .self_collision = profile.margin.self_collision,
+          .edge = profile.margin.edge,
+          .swing_clearance = profile.swing.clearance,
+          .swing_time = profile.swing.time};
+}
+
+Limits Limits::uneven_ground(const Profile& profile) {
+  Limits limits = normal(profile);
+  limits.zmp_plan = std::min(kUnevenZmp * limits.zmp_plan, profile.margin.stand_on);
+  return limits;
+}
+
+Limits Limits::push_recovery(const Profile& profile) {
+  Limits limits = normal(profile);
+  limits.zmp_plan = profile.margin.zmp_feedback;
+  limits.torque = 1.0;
+  limits.acceleration *= kPushAcceleration;
+  limits.swing_clearance *= kPushSwing;
+  limits.swing_time *= kPushSwing;
+  return limits;
+}
+
+}  // namespace baton
