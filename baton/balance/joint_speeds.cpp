@@ -5,7 +5,8 @@
 namespace baton {
 namespace {
 
-constexpr double kSmooth = 40.0;  ///< rate at which the smoothed error follows the measured one [1/s]
+constexpr double kSmooth = 40.0;  ///< rate at which the smoothed error follows the measured one: by the encoders'
+                                  ///< noise, not by the robot's size [1/s]
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 namespace baton {
 namespace {
 
+// Rates are the same for any size of robot.
 constexpr double kTrust = 20.0;  ///< rate at which the velocity follows the soles that stand [1/s]
 constexpr double kRelax = 10.0;  ///< rate at which a foothold follows where a sole with no load is [1/s]
 

@@ -6,6 +6,7 @@
 namespace baton {
 namespace {
 
+// Rates and times are the same for any size of robot.
 constexpr double kMap = 1.0;        ///< rate at which heights follow those of the ground [1/s]
 constexpr double kInTheAir = 0.1;   ///< time without a touch from which the height is lost [s]
 constexpr double kOnTheMap = 0.05;  ///< farther from the known ground a sole stands on something else [COM height]
@@ -16,7 +17,7 @@ constexpr double kOverlap = 0.01;  ///< so much of it is on the edge
 constexpr double kRaised = 0.02;   ///< least height of a step that counts
 constexpr double kAsHigh = 0.015;  ///< a corner stands on what differs by less in height
 constexpr double kFeels = 0.05;    ///< the edge is no farther from where it should be
-constexpr double kMoves = 0.04;    ///< how fast the place is corrected [1/s]
+constexpr double kMoves = 0.04;    ///< how fast the place is corrected [COM heights/s]
 
 }  // namespace
 

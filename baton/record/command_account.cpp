@@ -8,7 +8,7 @@ namespace baton {
 namespace {
 
 constexpr double kMovedShare = 0.25;  ///< of what was asked for, that counts as moved
-constexpr double kMoved = 0.005;      ///< that counts in any case [m]
+constexpr double kMoved = 0.005;      ///< that counts in any case, for any size of robot [m]
 
 /// The part of `made` along what was asked for; 0 if nothing was.
 double along(const Vec3& asked, const Vec3& made) {

@@ -11,9 +11,9 @@
 namespace baton {
 namespace {
 
-constexpr double kFallenTilt = 45.0 * M_PI / 180.0;
-constexpr double kFallenHeight = 0.5;  ///< share of the nominal COM height
-constexpr double kTouch = 0.5;         ///< [N] force from which a sole counts as touching
+constexpr double kFallenTilt = 45.0 * M_PI / 180.0;  ///< tilt of the trunk beyond which the robot has fallen [rad]
+constexpr double kFallenHeight = 0.5;  ///< height of the COM below which it has fallen [nominal COM height]
+constexpr double kTouch = 0.5;         ///< force from which a sole touches in truth, for any weight of robot [N]
 
 }  // namespace
 
