@@ -98,12 +98,12 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   if (is == "floors") plant.friction = 0.7 + 0.3 * dice.axis();
   if (is == "mass" || is == "creep") plant.mass = 1.0 + (seed % 2 == 0 ? 0.1 : -0.1) * times;
   if (is == "com") plant.com_offset = horizontal(way, 0.010 * length);
-  if (is == "gain") plant.gain = 1.0 - 0.2 * times;
-  if (is == "strength") plant.strength = 1.0 - 0.1 * times;
-  if (is == "delay5") plant.delay = 0.005 * times;
-  if (is == "delay10") plant.delay = 0.010 * times;
-  if (is == "kp07") plant.kp = 0.7;
-  if (is == "kp14") plant.kp = 1.4;
+  if (is == "gain") plant.actuators.gain = 1.0 - 0.2 * times;
+  if (is == "strength") plant.actuators.strength = 1.0 - 0.1 * times;
+  if (is == "delay5") plant.actuators.delay = 0.005 * times;
+  if (is == "delay10") plant.actuators.delay = 0.010 * times;
+  if (is == "kp07") plant.actuators.kp = 0.7;
+  if (is == "kp14") plant.actuators.kp = 1.4;
   if (is == "slope") plant.tilt = horizontal(way, 3.0 * kDegree * times);
   if (is == "tiles") plant.tiles = 0.004 * length;
   if (is == "stiff_tiles") plant.tiles = 0.002 * length;
@@ -114,24 +114,24 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   if (is == "push_side") single_push(1.2, seed % 2 == 0 ? M_PI_2 : -M_PI_2);
   if (is == "push_fore") single_push(1.0, seed % 2 == 0 ? 0.0 : M_PI);
   if (is == "noise") {
-    plant.encoder_noise = 0.1 * kDegree * times;
-    plant.force_noise = 0.05 * times;
-    plant.imu_bias = horizontal(way, 0.5 * kDegree * times);
+    plant.sensors.encoder_noise = 0.1 * kDegree * times;
+    plant.sensors.force_noise = 0.05 * times;
+    plant.sensors.imu_bias = horizontal(way, 0.5 * kDegree * times);
   }
   if (is == "mix") {
     plant.friction = 0.7 + 0.3 * dice.axis();
     plant.mass = 1.0 + 0.05 * times * dice.axis();
     plant.com_offset = horizontal(way, 0.005 * length);
-    plant.gain = 1.0 - 0.1 * times;
-    plant.strength = 1.0 - 0.05 * times;
-    plant.delay = 0.003;
-    plant.encoder_noise = 0.05 * kDegree * times;
-    plant.force_noise = 0.03 * times;
-    plant.imu_bias = horizontal(M_PI * dice.axis(), 0.25 * kDegree * times);
+    plant.actuators.gain = 1.0 - 0.1 * times;
+    plant.actuators.strength = 1.0 - 0.05 * times;
+    plant.actuators.delay = 0.003;
+    plant.sensors.encoder_noise = 0.05 * kDegree * times;
+    plant.sensors.force_noise = 0.03 * times;
+    plant.sensors.imu_bias = horizontal(M_PI * dice.axis(), 0.25 * kDegree * times);
     plant.tilt = horizontal(M_PI * dice.axis(), kDegree * times);
     plant.tiles = 0.001 * length;
     plant.solref = 0.005 * std::pow(2.0, dice.axis());
-    plant.kp = 1.0 + 0.15 * dice.axis();
+    plant.actuators.kp = 1.0 + 0.15 * dice.axis();
     plant.pushes = pushes(dice, 0.3 * impulse, scenario.seconds, 2000, 4000);
   }
   return plant;

@@ -64,19 +64,20 @@ void View::show(const Session& session, const DeviceStatus& device, const Refusa
       goal.sole[side] = anchor * goal.sole[side];
       if (goal.hand[side]) goal.hand[side] = anchor * *goal.hand[side];
     }
-    frame.goal = std::move(goal);
-    frame.segment_time = session.t() - segment_start_;
-    frame.segment_duration = nav.motion()->duration();
-    frame.limit = nav.planned()->limit;
+    frame.segment.goal = std::move(goal);
+    frame.segment.time = session.t() - segment_start_;
+    frame.segment.duration = nav.motion()->duration();
+    frame.segment.limit = nav.planned()->limit;
   }
   frame.history = nav.history();
-  frame.contact = plan.contact;
+  frame.balance.contact = plan.contact;
   const BySide<Pose> sole{anchor * plan.sole.left, anchor * plan.sole.right};
-  frame.support_height = plan.zmp_height + anchor.p.z();
-  frame.support = support_polygon(session.robot(), sole, plan.contact, anchor * plan.com, frame.support_height);
-  frame.com = Eigen::Map<const Vec3>(data_->subtree_com);
-  frame.zmp = measured_zmp(truth, frame.support_height);
-  frame.dcm = (anchor * nav.state().dcm(session.robot().omega())).head<2>();
+  frame.balance.support_height = plan.zmp_height + anchor.p.z();
+  frame.balance.support =
+      support_polygon(session.robot(), sole, plan.contact, anchor * plan.com, frame.balance.support_height);
+  frame.balance.com = Eigen::Map<const Vec3>(data_->subtree_com);
+  frame.balance.zmp = measured_zmp(truth, frame.balance.support_height);
+  frame.balance.dcm = (anchor * nav.state().dcm(session.robot().omega())).head<2>();
   frame.refusal = refusals.newest();
   frame.refusals = refusals.count();
   frame.stuck = refusals.stuck();

@@ -6,25 +6,26 @@
 namespace baton {
 namespace {
 
-// How much differs from where; lengths are shares of the COM height, forces of the weight.
+// Lengths are shares of the COM height, forces of the weight. Rates and times are the same for any size of robot.
 constexpr double kCarries = 0.05;      ///< load from which a sole counts as carrying
 constexpr double kShould = 0.1;        ///< planned load of a sole that is missed if it does not carry
-constexpr double kMissed = 0.0175;     ///< for so long [s]
+constexpr double kMissed = 0.0175;     ///< for so long a sole does not carry before it is missed [s]
 constexpr double kFull = 0.3;          ///< load from which it is followed at the full rate
 constexpr double kInside = 0.03;       ///< room of the pressure to the edge of a sole that lies flat
 constexpr double kExact = 4e-4;        ///< a sole no farther off stands where it was planned
 constexpr double kLevel = 1e-3;        ///< nor is it inclined [rad]
 constexpr double kMostHeight = 0.045;  ///< bounds of the offset
-constexpr double kMostPlace = 0.1;
-constexpr double kMostTurn = 0.2;  ///< [rad]
-constexpr double kInsists = 0.03;  ///< a moment that is too much for longer, in one sense, is yielded to faster [s]
-constexpr double kMostInsists = 4.0;
-constexpr double kAirRate = 10.0;   ///< at which the offset of a sole in the air goes back [1/s]
-constexpr double kFloorRate = 0.3;  ///< at which the floor is taken to be inclined as a sole that lies flat is [1/s]
-constexpr double kDamping = 1e-6;   ///< of the legs' kinematics, beside half of the error squared
-constexpr int kSteps = 4;           ///< of them, at most
-constexpr double kFarthest = 0.3;   ///< that a joint goes in one: a straight leg's would be anything [rad]
-constexpr double kThere = 1e-6;     ///< error that needs no further one [m, rad]
+constexpr double kMostPlace = 0.1;     ///< in place
+constexpr double kMostTurn = 0.2;      ///< in inclination and yaw [rad]
+constexpr double kInsists = 0.03;      ///< a moment that is too much for longer, in one sense, is yielded to faster [s]
+constexpr double kMostInsists = 4.0;   ///< times as fast, at most
+constexpr double kAirRate = 10.0;      ///< at which the offset of a sole in the air goes back [1/s]
+constexpr double kFloorRate = 0.3;     ///< at which the floor is taken to be inclined as a sole that lies flat is [1/s]
+constexpr double kDamping =
+    1e-6;  ///< of the legs' kinematics, beside half of the error squared; for any size of robot [m², rad²]
+constexpr int kSteps = 4;          ///< of the legs' kinematics, at most
+constexpr double kFarthest = 0.3;  ///< that a joint goes in one: a straight leg's would be anything [rad]
+constexpr double kThere = 1e-6;    ///< error that needs no further step, for any size of robot [m, rad]
 
 /// What of v is beyond a dead band.
 template <typename Vector>

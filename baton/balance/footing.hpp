@@ -31,7 +31,7 @@ class Footing {
   [[nodiscard]] const BySide<Offset>& offset() const { return offset_; }
 
  private:
-  /// Rates are [1/s].
+  /// Rates are [1/s], the same for any size of robot.
   struct Rates {
     double height = 15.0;      ///< at which the height of a sole that carries is followed
     double early = 30.0;       ///< the same of a foot on its way down, whose ground comes early

@@ -6,10 +6,11 @@
 namespace baton {
 namespace {
 
+// Times are the same for any size of robot.
 constexpr double kIntegrates = 0.5;  ///< time in which the integral grows as large as the servo's torque [s]
 constexpr double kForgets = 2.0;     ///< time constant with which it leaks away [s]
 constexpr double kOfLate = 0.08;     ///< time over which commanded and measured ZMP are compared [s]
-constexpr double kCarried = 0.5;     ///< share of the weight on the soles below which they are not
+constexpr double kCarried = 0.5;     ///< with less of the weight on the soles they are not compared
 
 }  // namespace
 

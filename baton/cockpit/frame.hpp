@@ -48,18 +48,24 @@ struct Frame {
   Command command;      ///< the one that is obeyed
   DeviceStatus device;  ///< of the device that it comes from
 
-  std::optional<Goal> goal;       ///< of the committed motion; nothing at rest
-  double segment_time = 0.0;      ///< since the start of that motion [s]
-  double segment_duration = 0.0;  ///< of the whole motion [s]
-  std::optional<Refusal> limit;   ///< what spoke against the whole way, if that motion is only a part of it
-  std::size_t history = 0;        ///< motions that can be retraced
+  /// The committed motion; empty at rest.
+  struct Segment {
+    std::optional<Goal> goal;
+    double time = 0.0;             ///< since its start [s]
+    double duration = 0.0;         ///< of the whole motion [s]
+    std::optional<Refusal> limit;  ///< what spoke against the whole way, if it is only a part of that
+  } segment;
+  std::size_t history = 0;  ///< motions that can be retraced
 
-  BySide<bool> contact{true, true};  ///< which soles stand
-  ConvexPolygon support;             ///< support polygon
-  double support_height = 0.0;       ///< of its plane [m]
-  Vec3 com = Vec3::Zero();           ///< [m]
-  Vec2 zmp = Vec2::Zero();           ///< on the support polygon's plane [m]
-  Vec2 dcm = Vec2::Zero();           ///< seen from above [m]
+  /// What the robot stands on, and how.
+  struct Balance {
+    BySide<bool> contact{true, true};  ///< which soles stand
+    ConvexPolygon support;             ///< support polygon
+    double support_height = 0.0;       ///< of its plane [m]
+    Vec3 com = Vec3::Zero();           ///< [m]
+    Vec2 zmp = Vec2::Zero();           ///< on the support polygon's plane [m]
+    Vec2 dcm = Vec2::Zero();           ///< seen from above [m]
+  } balance;
 
   std::optional<Refusal> refusal;  ///< the newest
   int refusals = 0;                ///< their number since the start: tells a new one from an old one

@@ -137,7 +137,7 @@ std::string state_message(const Frame& frame, const DeviceStatus& device, const 
   for (const Pose& body : frame.bodies)
     bodies.push_back(pose(body));
   json support = json::array();
-  for (const Vec2& vertex : frame.support.vertices())
+  for (const Vec2& vertex : frame.balance.support.vertices())
     support.push_back(numbers(vertex));
   const json message{
       {"type", "state"},
@@ -152,18 +152,18 @@ std::string state_message(const Frame& frame, const DeviceStatus& device, const 
       {"recall", kRecalls.at(static_cast<std::size_t>(frame.command.recall))},
       {"device",
        {{"name", device.name}, {"connected", device.connected}, {"armed", device.armed}, {"hint", device.hint}}},
-      {"goal", frame.goal ? goal(*frame.goal, robot) : json(nullptr)},
-      {"segment", {{"time", number(frame.segment_time)}, {"duration", number(frame.segment_duration)}}},
-      {"contact", by_side(frame.contact)},
+      {"goal", frame.segment.goal ? goal(*frame.segment.goal, robot) : json(nullptr)},
+      {"segment", {{"time", number(frame.segment.time)}, {"duration", number(frame.segment.duration)}}},
+      {"contact", by_side(frame.balance.contact)},
       {"support", support},
-      {"support_height", number(frame.support_height)},
-      {"com", numbers(frame.com)},
-      {"zmp", numbers(frame.zmp)},
-      {"dcm", numbers(frame.dcm)},
+      {"support_height", number(frame.balance.support_height)},
+      {"com", numbers(frame.balance.com)},
+      {"zmp", numbers(frame.balance.zmp)},
+      {"dcm", numbers(frame.balance.dcm)},
       {"refusal", frame.refusal ? refusal(*frame.refusal) : json(nullptr)},
       {"refusals", frame.refusals},
       {"stuck", frame.stuck ? stuck(*frame.stuck) : json(nullptr)},
-      {"limit", frame.limit ? refusal(*frame.limit) : json(nullptr)},
+      {"limit", frame.segment.limit ? refusal(*frame.segment.limit) : json(nullptr)},
       {"history", frame.history},
       {"message", frame.message}};
   return message.dump(-1, ' ', false, json::error_handler_t::replace);

@@ -83,7 +83,7 @@ class Guide {
   [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by, bool aside = false) const;
 
  private:
-  struct Placement;  // a foot somewhere, and what speaks against it
+  struct Placement;  ///< a foot somewhere, and what speaks against it
 
   [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Command& command) const;

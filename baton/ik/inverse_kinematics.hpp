@@ -45,6 +45,7 @@ struct IkResult {
 
 class InverseKinematics {
  public:
+  /// Metres count as much as radians, for any size of robot.
   struct Parameters {
     double hard_damping = 1e-6;   ///< R of feet and COM [-]
     double trunk_damping = 1e-5;  ///< r of the trunk's attitude [-]

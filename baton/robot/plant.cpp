@@ -11,8 +11,8 @@
 namespace baton {
 namespace {
 
-constexpr int kTiles = 40;  ///< in each direction
-constexpr int kLevel = 2;   ///< tiles around the start, in each direction, that are level
+constexpr int kTiles = 40;  ///< rows, and tiles in each
+constexpr int kLevel = 2;   ///< so many around the start are level, in each direction
 
 Pose pose_of(const double* pos, const double* quat) {
   return {Eigen::Map<const Vec3>(pos),

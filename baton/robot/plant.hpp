@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "baton/model/robot_model.hpp"
+#include "baton/robot/actuators.hpp"
+#include "baton/robot/sensors.hpp"
 
 namespace baton {
 
@@ -21,16 +22,11 @@ struct Plant {
   std::optional<double> solref;    ///< time constant of contact at the soles, instead of the model's [s]
   double mass = 1.0;               ///< factor on all masses and inertias
   Vec3 com_offset = Vec3::Zero();  ///< of the trunk's COM [m]
-  double gain = 1.0;               ///< factor on the torque that every motor gives
-  double strength = 1.0;           ///< factor on the torque that it gives at most
-  double kp = 1.0;                 ///< factor on the servos' stiffness
-  double delay = 0.0;              ///< from the joint targets to the servos [s]
-  double encoder_noise = 0.0;      ///< standard deviation, at each reading [rad]
-  double force_noise = 0.0;        ///< of each component of the soles' wrenches, share of its value
-  Vec3 imu_bias = Vec3::Zero();    ///< rotation vector by which its attitude is off, in the world [rad]
-  Vec3 tilt = Vec3::Zero();        ///< rotation vector of the ground about the robot's start [rad]
-  double tiles = 0.0;              ///< the ground is of tiles, each higher or lower by up to this [m]
-  double tile_side = 0.1;          ///< of a tile [m]
+  ActuatorErrors actuators;
+  SensorErrors sensors;
+  Vec3 tilt = Vec3::Zero();  ///< rotation vector of the ground about the robot's start [rad]
+  double tiles = 0.0;        ///< the ground is of tiles, each higher or lower by up to this [m]
+  double tile_side = 0.1;    ///< of a tile [m]
   std::vector<Push> pushes;
   std::uint64_t seed = 0;  ///< of noise and tiles
 

@@ -1,12 +1,10 @@
 /// A robot in MuJoCo physics: motors with servos and torque-speed limits, honest contact, sensors.
 #pragma once
 
-#include <deque>
-#include <random>
-
 #include "baton/model/world.hpp"
 #include "baton/robot/plant.hpp"
 #include "baton/robot/robot.hpp"
+#include "baton/robot/robot_in_world.hpp"
 
 namespace baton {
 
@@ -36,12 +34,10 @@ class SimulatedRobot : public TransparentRobot {
   void push(const Vec3& impulse);
 
  private:
+  /// Physics as the plant has it: friction, softness, masses.
   void perturb();
-  /// Torque that the servo of a joint asks of its motor, `to_end` before the targets are due.
-  [[nodiscard]] double servo(std::size_t joint, const JointTarget& target, double to_end);
-  [[nodiscard]] double noise() { return normal_(random_); }
   void observe();
-  void sense();
+  void measure();
   void check_fall();
 
   const RobotModel* robot_;
@@ -50,29 +46,13 @@ class SimulatedRobot : public TransparentRobot {
   std::string text_;
   ModelPtr model_;
   DataPtr data_;
-  std::vector<int> qpos_;  ///< address of each joint's angle in the stepped model
-  std::vector<int> dof_;
-  std::vector<int> motor_;  ///< actuator of each joint
-  int root_qpos_ = 0;
-  int root_dof_ = 0;
-  int root_body_ = 0;
-  int imu_site_ = -1;
-  std::vector<int> sole_of_geom_;  ///< −1, or the side, by geom of the stepped model
-  std::vector<char> robot_geom_;   ///< belongs to the robot, by geom
+  RobotInWorld in_world_;
   Kinematics kinematics_;
   Truth truth_;
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-  /// A target on its way to the servos.
-  struct Sent {
-    double arrives = 0.0;  ///< [s]
-    JointTarget target;
-  };
-  std::deque<Sent> sent_;
-  VecX encoder_error_;                ///< of the last reading
-  VecX torque_;                       ///< of the motors, mean over the last tick
+  Actuators actuators_;
+  Sensors sensors_;
   Vec3 imu_velocity_ = Vec3::Zero();  ///< a tick ago [m/s]
-  Measurement reading_;               ///< of the sensors, now
+  Measurement reading_;               ///< of the sensors, now; torques are means over the last tick
 };
 
 }  // namespace baton

@@ -189,19 +189,19 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
   Browser first(port_);
   Browser second(port_);
   frame_.bodies.assign(3, Pose{{1.0, 2.0, 3.0}, rotation_z(M_PI)});
-  frame_.com = {0.1, std::numeric_limits<double>::quiet_NaN(), 0.26};
-  frame_.goal.emplace();
-  frame_.goal->kind = SegmentKind::step;
-  frame_.goal->swing = Side::right;
-  frame_.goal->sole.left.p.x() = 0.5;
+  frame_.balance.com = {0.1, std::numeric_limits<double>::quiet_NaN(), 0.26};
+  frame_.segment.goal.emplace();
+  frame_.segment.goal->kind = SegmentKind::step;
+  frame_.segment.goal->swing = Side::right;
+  frame_.segment.goal->sole.left.p.x() = 0.5;
   frame_.refusal = Refusal{Reason::joint_limit, Part::left_hand, 1.5, 1.4, "elb\xffow"};
   frame_.refusals = 7;
   frame_.stuck = Stuck{Part::left_foot, 3, true, false};
   frame_.activity = Activity::retracing;
-  frame_.limit = Refusal{Reason::foot_region, Part::left_foot, 0.12, 0.11, "forward"};
+  frame_.segment.limit = Refusal{Reason::foot_region, Part::left_foot, 0.12, 0.11, "forward"};
   frame_.history = 12;
   frame_.command.recall = Recall::home;
-  frame_.support = robot_.sole(Side::left);
+  frame_.balance.support = robot_.sole(Side::left);
   for (Browser* page : {&first, &second}) {
     const json state = state_of(*page, [](const json& s) { return s["t"] > 0.0; });
     ASSERT_FALSE(state.is_null());

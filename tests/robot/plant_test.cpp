@@ -231,7 +231,7 @@ TEST_P(PlantTest, TargetsActAsLateAsTheyAreDelayed) {
     }
     const auto run = [&](double delay, int later) {
       Plant plant;
-      plant.delay = delay;
+      plant.actuators.delay = delay;
       SimulatedRobot body(robot_, world_, home_, c.period, with(plant));
       std::vector<VecX> way;
       for (int k = 0; k < static_cast<int>(stream.size()); ++k) {
@@ -258,7 +258,7 @@ TEST_P(PlantTest, TargetsActAsLateAsTheyAreDelayed) {
 
 TEST_P(PlantTest, EncodersAreAsNoisyAsTheyShallBe) {
   Plant plant;
-  plant.encoder_noise = random_(0.001, 0.003);
+  plant.sensors.encoder_noise = random_(0.001, 0.003);
   plant.seed = 5;
   SimulatedRobot body = make(plant);
   Statistics angles;
@@ -283,7 +283,7 @@ TEST_P(PlantTest, EncodersAreAsNoisyAsTheyShallBe) {
     before = error;
     body.write(hold());
   }
-  const double noise = plant.encoder_noise;
+  const double noise = plant.sensors.encoder_noise;
   EXPECT_NEAR(angles.deviation(), noise, 0.05 * noise);
   EXPECT_NEAR(angles.mean(), 0.0, 0.06 * noise);
   EXPECT_NEAR(speeds.deviation(), std::sqrt(2.0) * noise / period_, 0.05 * std::sqrt(2.0) * noise / period_);
@@ -303,8 +303,8 @@ TEST_P(PlantTest, EncodersAreAsNoisyAsTheyShallBe) {
 TEST_P(PlantTest, TheSameSeedGivesTheSameBits) {
   const auto run = [&](std::uint64_t seed) {
     Plant plant;
-    plant.encoder_noise = 0.002;
-    plant.force_noise = 0.05;
+    plant.sensors.encoder_noise = 0.002;
+    plant.sensors.force_noise = 0.05;
     plant.seed = seed;
     SimulatedRobot body = make(plant);
     std::vector<double> all;
@@ -327,7 +327,7 @@ TEST_P(PlantTest, TheSameSeedGivesTheSameBits) {
 
 TEST_P(PlantTest, ForcesAreAsNoisyAsTheyShallBeAndChangeNothingElse) {
   Plant plant;
-  plant.force_noise = random_(0.02, 0.1);
+  plant.sensors.force_noise = random_(0.02, 0.1);
   SimulatedRobot body = make(plant);
   SimulatedRobot quiet = make({});
   Statistics normal;
@@ -355,20 +355,20 @@ TEST_P(PlantTest, ForcesAreAsNoisyAsTheyShallBeAndChangeNothingElse) {
   ASSERT_GT(normal.n(), 1000);
   EXPECT_GT(all.n(), normal.n());
   for (const Statistics& ratios : {normal, all}) {
-    EXPECT_NEAR(ratios.deviation(), plant.force_noise, 0.1 * plant.force_noise);
-    EXPECT_NEAR(ratios.mean(), 0.0, 0.15 * plant.force_noise);
+    EXPECT_NEAR(ratios.deviation(), plant.sensors.force_noise, 0.1 * plant.sensors.force_noise);
+    EXPECT_NEAR(ratios.mean(), 0.0, 0.15 * plant.sensors.force_noise);
   }
 }
 
 TEST_P(PlantTest, TheAttitudeOfTheImuIsOffByItsBias) {
   SimulatedRobot straight = make({});
   Plant plant;
-  plant.imu_bias = random_.vector(0.02);
+  plant.sensors.imu_bias = random_.vector(0.02);
   SimulatedRobot body = make(plant);
   for (int tick = 0; tick < 60; ++tick) {
     const Measurement m = body.read();
     const Measurement exact = straight.read();
-    ASSERT_LT((rotation_error(m.imu.attitude, exact.imu.attitude) - plant.imu_bias).norm(), 1e-9);
+    ASSERT_LT((rotation_error(m.imu.attitude, exact.imu.attitude) - plant.sensors.imu_bias).norm(), 1e-9);
     ASSERT_EQ(m.imu.rate, exact.imu.rate);
     ASSERT_EQ(m.imu.acceleration, exact.imu.acceleration);
     ASSERT_EQ(m.q, exact.q);
@@ -384,23 +384,23 @@ TEST_P(PlantTest, MotorsGiveTheShareThatTheyHave) {
   for (int trial = 0; trial < 3; ++trial) {
     const JointTarget target = near_home();
     Plant weak;
-    weak.gain = random_(0.5, 0.95);
+    weak.actuators.gain = random_(0.5, 0.95);
     const VecX nominal = first_torques(robot_, {}, target);
     EXPECT_GT(nominal.cwiseAbs().minCoeff(), 0.0);
     const VecX less = first_torques(robot_, weak, target);
     for (int j = 0; j < n_; ++j)
-      EXPECT_NEAR(less[j], weak.gain * nominal[j], 1e-9 * stall(j)) << name_of_joint(j);
+      EXPECT_NEAR(less[j], weak.actuators.gain * nominal[j], 1e-9 * stall(j)) << name_of_joint(j);
 
     // Far away, every motor is at its end.
     JointTarget far = target;
     for (int j = 0; j < n_; ++j)
       far.q[j] += target.q[j] > home_.q[7 + j] ? 3.0 : -3.0;
     Plant small;
-    small.strength = random_(0.5, 0.95);
+    small.actuators.strength = random_(0.5, 0.95);
     const VecX most = first_torques(robot_, small, far);
     for (int j = 0; j < n_; ++j) {
       const double sign = far.q[j] > home_.q[7 + j] ? 1.0 : -1.0;
-      EXPECT_NEAR(most[j], sign * small.strength * stall(j), 1e-9 * stall(j)) << name_of_joint(j);
+      EXPECT_NEAR(most[j], sign * small.actuators.strength * stall(j), 1e-9 * stall(j)) << name_of_joint(j);
     }
     // Where no more is asked for than that, it does not matter.
     EXPECT_EQ(first_torques(robot_, small, target), nominal);
@@ -413,13 +413,13 @@ TEST_P(PlantTest, ServosAreAsStiffAsTheyAre) {
     target.dq.setZero();
     target.tau.setZero();
     Plant plant;
-    plant.kp = random_(0.5, 1.5);
+    plant.actuators.kp = random_(0.5, 1.5);
     const VecX nominal = first_torques(robot_, {}, target);
     const VecX other = first_torques(robot_, plant, target);
     for (int j = 0; j < n_; ++j) {
       const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
       EXPECT_NEAR(nominal[j], joint.gains.kp * (target.q[j] - home_.q[7 + j]), 1e-9 * stall(j)) << joint.name;
-      EXPECT_NEAR(other[j], plant.kp * nominal[j], 1e-9 * stall(j)) << joint.name;
+      EXPECT_NEAR(other[j], plant.actuators.kp * nominal[j], 1e-9 * stall(j)) << joint.name;
     }
   }
 }
@@ -433,7 +433,7 @@ TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
     JointTarget untold = target;
     untold.tau.setZero();
     Plant soft;
-    soft.kp = random_(0.5, 0.9);
+    soft.actuators.kp = random_(0.5, 0.9);
     const VecX by_torque = first_torques(torque, {}, target);
     const VecX by_pd = first_torques(pd, {}, target);
     const VecX rest = first_torques(pd, {}, untold);
@@ -443,7 +443,8 @@ TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
       EXPECT_NEAR(by_torque[j], by_pd[j], 1e-9 * stall(j)) << name_of_joint(j);
       EXPECT_NEAR(by_pd[j] - rest[j], target.tau[j], 1e-9 * stall(j)) << name_of_joint(j);
       // Folded into the angle, it is only as true as the stiffness.
-      EXPECT_NEAR(soft_torque[j] - soft_pd[j], (1.0 - soft.kp) * target.tau[j], 1e-9 * stall(j)) << name_of_joint(j);
+      EXPECT_NEAR(soft_torque[j] - soft_pd[j], (1.0 - soft.actuators.kp) * target.tau[j], 1e-9 * stall(j))
+          << name_of_joint(j);
     }
     EXPECT_EQ(first_torques(stiff, {}, target), first_torques(stiff, {}, untold));
 

@@ -316,7 +316,7 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
   Plant slippery;
   slippery.friction = 0.5;
   Plant soft;
-  soft.gain = 0.7;
+  soft.actuators.gain = 0.7;
   Plant lopsided;
   lopsided.com_offset = Vec3(0.02, 0.01, 0.0) * size_;
   for (const Plant& plant : {heavy, slippery, soft, lopsided}) {

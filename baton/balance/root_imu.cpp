@@ -1,0 +1,25 @@
+#include "baton/balance/root_imu.hpp"
+
+#include <utility>
+
+namespace baton {
+
+RootImu::RootImu(const Pose& sensor, double yaw, double period) : sensor_(sensor), start_yaw_(yaw), period_(period) {}
+
+RootImu::Motion RootImu::update(const Measurement::Imu& imu) {
+  const bool first = std::exchange(first_, false);
+  if (first) yaw_ = rotation_z(start_yaw_ - yaw_of(imu.attitude * sensor_.R.transpose()));
+  Motion root;
+  root.R = yaw_ * imu.attitude * sensor_.R.transpose();
+  root.rate = sensor_.R * imu.rate;
+
+  const Vec3 rate = root.R * root.rate;
+  if (!first) root.angular_accel = (rate - rate_) / period_;
+  rate_ = rate;
+  const Vec3 lever = root.R * sensor_.p;
+  root.acceleration = root.R * sensor_.R * imu.acceleration - Vec3(0, 0, kGravity) - root.angular_accel.cross(lever) -
+                      rate.cross(rate.cross(lever));
+  return root;
+}
+
+}  // namespace baton

@@ -1,0 +1,126 @@
+#include "baton/guide/rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "baton/model/contact.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kSideways =
+    0.5;  ///< no step is made into a push that goes farther aside than this share of its way ahead
+constexpr double kStraight = 0.1;  ///< a push that goes less far aside than this share is straight ahead or back
+constexpr std::array<double, 2> kCatches{1.0, 0.5};    ///< shares of the way that a step should go to catch the robot
+constexpr std::array<double, 3> kHalt{1.0, 1.5, 0.5};  ///< ways in which a COM with speed v is to halt [v/ω]
+
+}  // namespace
+
+Goal Guide::landing(const GuideContext& context, Side side, const Pose& sole) const {
+  Goal goal = stay(context, foot(side));
+  goal.kind = SegmentKind::lower;
+  goal.swing = side;
+  goal.contact[side] = true;
+  goal.sole[side] = sole;
+  goal.com = com_above(context, goal);
+  goal.trunk = rotation_z(mean_yaw(goal.sole)) * inclination(goal.trunk);
+  return goal;
+}
+
+GuideResult Guide::landings(const GuideContext& context, Side side) const {
+  const Profile& profile = robot_->profile();
+  const Range& region = profile.region.foot_x;
+  const Pose& now = context.from.sole[side];
+  const Pose& last = context.foothold[side];
+  const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region, {}, true);
+  // Where it stood it can stand again, even if the other foot has come to rest a little outside the region since, or
+  // it turned out to stand a little nearer to an edge.
+  const Range stood{region.lo - profile.reach.foot, region.hi + profile.reach.foot};
+  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0, true);
+  const Range stride{-profile.region.stride, profile.region.stride};
+  const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride);
+  std::vector<Goal> goals;
+  for (const double down : {0.0, profile.reach.trunk}) {
+    for (const Placement* placement : {&here, &back, &near}) {
+      if (placement->against) continue;
+      Goal goal = landing(context, side, placement->sole);
+      goal.returns = placement == &back;
+      const double height = context.from.com.z() - context.from.support_height();
+      goal.com.z() -= std::min(down, std::max(0.0, height - profile.region.com_height.lo));
+      goals.push_back(std::move(goal));
+    }
+  }
+  if (goals.empty()) return *here.against;
+  return goals;
+}
+
+GuideResult Guide::stops(const GuideContext& context) const {
+  const Posture& from = context.from;
+  if (context.step) {
+    GuideResult landed = landings(context, context.step->side);
+    const auto* goals = std::get_if<std::vector<Goal>>(&landed);
+    if (goals == nullptr) return landed;
+    return std::vector<Goal>{landing(context, context.step->side, context.step->to), goals->front()};
+  }
+  const ConvexPolygon support =
+      support_polygon(*robot_, from.sole, from.contact, from.com, support_plane(from.sole, from.contact))
+          .inset(robot_->profile().margin.stand_on);
+  std::vector<Goal> goals;
+  for (const double way : kHalt) {
+    Goal goal = stay(context, Part::trunk);
+    goal.com.head<2>() = support.nearest((from.com + way / robot_->omega() * from.dcom).head<2>());
+    goals.push_back(std::move(goal));
+  }
+  return goals;
+}
+
+GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool aside) const {
+  const Profile& profile = robot_->profile();
+  const Posture& from = context.from;
+  std::vector<Goal> goals;
+  const auto add = [&](Side side, const Vec2& at, double yaw, SegmentKind kind) {
+    const Placement placement = nearest_place(context, side, at, yaw, profile.region.foot_x);
+    if (placement.against) return;
+    Goal goal = landing(context, side, placement.sole);
+    goal.kind = kind;
+    goals.push_back(goal);
+    add_nominal(context, goal, goals);
+  };
+  const auto land = [&](Side side, const Vec3& at, double yaw, SegmentKind kind) {
+    for (const double share : kCatches)
+      add(side, at.head<2>() + share * by, yaw, kind);
+  };
+  const auto beside = [&](Side side) {
+    const Pose& stance = from.sole[other(side)];
+    return Vec3(stance.p + stance.R * Vec3(0, sign_of(side) * profile.stance.width, 0));
+  };
+  if (context.step) {
+    const Pose& to = context.step->to;
+    land(context.step->side, to.p, yaw_of(to.R), SegmentKind::lower);
+  } else if (from.contact.left && from.contact.right) {
+    const Vec3 ahead = rotation_z(-from.heading()) * Vec3(by.x(), by.y(), 0);
+    if (!aside && std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
+    // It stands on the foot to whose side it is pushed; if it is to neither, the one that carries less leaves the
+    // ground.
+    const auto far = [&](Side side) { return (from.sole[side].p - from.com).head<2>().norm(); };
+    const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
+    const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)
+                                : (ahead.y() < 0.0 ? Side::left : Side::right);
+    // A foot that is about to leave the ground may be the one that can, or have all the weight still.
+    const Side best = from.lift_off ? from.lift_off->side : first;
+    for (const Side side : {best, other(best)}) {
+      if (!straight && !from.lift_off && side != best) continue;
+      land(side, beside(side), yaw_of(from.sole[other(side)].R), SegmentKind::step);
+    }
+  } else {
+    const Side up = from.contact.left ? Side::right : Side::left;
+    const Pose& now = from.sole[up];
+    land(up, now.p, yaw_of(now.R), SegmentKind::lower);
+    land(up, beside(up), yaw_of(now.R), SegmentKind::lower);
+  }
+  if (goals.empty()) return std::monostate{};
+  return goals;
+}
+
+}  // namespace baton
