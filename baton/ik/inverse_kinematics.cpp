@@ -26,9 +26,12 @@ struct InverseKinematics::Workspace {
   VecX lower, upper;      ///< bounds of dq of the joints (n)
   Square A;
   Column y;
-  eiquadprog::solvers::EiquadprogFast qp;
-  MatX H, CE, CI;
-  VecX g, ce, ci;
+  /// min ½ xᵀ H x + gᵀ x  with  CE x + ce = 0,  CI x + ci ≥ 0.
+  struct Program {
+    eiquadprog::solvers::EiquadprogFast solver;
+    MatX H, CE, CI;
+    VecX g, ce, ci;
+  } qp;
 };
 
 InverseKinematics::InverseKinematics(const RobotModel& robot) : InverseKinematics(robot, Parameters{}) {}
@@ -44,17 +47,17 @@ InverseKinematics::InverseKinematics(const RobotModel& robot, Parameters paramet
   w_->dq.setZero(nv);
   w_->lower.setZero(n);
   w_->upper.setZero(n);
-  w_->H.setZero(nv, nv);
-  w_->CE.setZero(0, nv);
-  w_->CI.setZero(2 * n, nv);
+  w_->qp.H.setZero(nv, nv);
+  w_->qp.CE.setZero(0, nv);
+  w_->qp.CI.setZero(2 * n, nv);
   for (int j = 0; j < n; ++j) {
-    w_->CI(j, 6 + j) = 1.0;
-    w_->CI(n + j, 6 + j) = -1.0;
+    w_->qp.CI(j, 6 + j) = 1.0;
+    w_->qp.CI(n + j, 6 + j) = -1.0;
   }
-  w_->g.setZero(nv);
-  w_->ce.setZero(0);
-  w_->ci.setZero(2 * n);
-  w_->qp.reset(nv, 0, 2 * n);
+  w_->qp.g.setZero(nv);
+  w_->qp.ce.setZero(0);
+  w_->qp.ci.setZero(2 * n);
+  w_->qp.solver.reset(nv, 0, 2 * n);
 }
 
 InverseKinematics::~InverseKinematics() = default;
@@ -147,14 +150,14 @@ void InverseKinematics::bounded_step() {
   for (const int i : w.free)
     cost[i] = 1.0;
   const VecX weight = w.R.cwiseInverse();
-  w.H.noalias() = J.transpose() * weight.asDiagonal() * J;
-  w.H.diagonal() += cost;
-  w.g.noalias() = -(J.transpose() * (weight.asDiagonal() * w.e));
-  w.g -= cost.cwiseProduct(w.dq_ref);
-  w.ci.head(n) = -w.lower;
-  w.ci.tail(n) = w.upper;
+  w.qp.H.noalias() = J.transpose() * weight.asDiagonal() * J;
+  w.qp.H.diagonal() += cost;
+  w.qp.g.noalias() = -(J.transpose() * (weight.asDiagonal() * w.e));
+  w.qp.g -= cost.cwiseProduct(w.dq_ref);
+  w.qp.ci.head(n) = -w.lower;
+  w.qp.ci.tail(n) = w.upper;
   VecX x = VecX::Zero(w.dq.size());
-  const auto status = w.qp.solve_quadprog(w.H, w.g, w.CE, w.ce, w.CI, w.ci, x);
+  const auto status = w.qp.solver.solve_quadprog(w.qp.H, w.qp.g, w.qp.CE, w.qp.ce, w.qp.CI, w.qp.ci, x);
   if (status == eiquadprog::solvers::EIQUADPROG_FAST_OPTIMAL && x.allFinite()) {
     w.dq = x;
   } else {
