@@ -162,9 +162,9 @@ TEST_P(PlannerTest, AMotionRunBackwardsHasTheSameMargins) {
     for (const Reason quantity : {Reason::zmp, Reason::joint_torque, Reason::joint_speed, Reason::friction})
       EXPECT_NEAR(worst(reverse, quantity), worst(motion, quantity), 1e-6 * (1.0 + std::abs(worst(motion, quantity))));
     EXPECT_EQ(reverse->end.q, from.q);
-    EXPECT_EQ(reverse->samples.front().q, motion.end.q);
+    EXPECT_EQ(reverse->samples.front().q, motion->end.q);
     ++checked;
-    from = motion.end;
+    from = motion->end;
   }
   EXPECT_GT(checked, 15);
 }
