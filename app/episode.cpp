@@ -152,7 +152,7 @@ class Run {
     follow_rests(navigator, record.truth.q);
     if (navigator.committed() != committed_) {
       committed_ = navigator.committed();
-      tally_.shrunk += navigator.motion()->limit ? 1 : 0;
+      tally_.shrunk += navigator.planned()->limit ? 1 : 0;
     }
     if (!checker_) return;
     const bool ideal = on_ == Session::On::ideal;
@@ -180,7 +180,7 @@ class Run {
       back_to_.reset();
     }
     if (begins && motion->retraces) {
-      part_ = motion->limit.has_value();
+      part_ = navigator.planned()->limit.has_value();
       back_to_ = rests_.back();
       rests_.pop_back();
     } else if (begins && from_rest) {
@@ -220,7 +220,7 @@ class Run {
   }
 
   void count_refusals(const PlanRecord& record) {
-    if (std::holds_alternative<Motion>(record.result.outcome)) refused_in_a_row_ = 0;
+    if (std::holds_alternative<PlannedMotion>(record.result.outcome)) refused_in_a_row_ = 0;
     if (std::holds_alternative<Refusal>(record.result.outcome)) ++refused_in_a_row_;
   }
 
@@ -289,7 +289,7 @@ std::string Episodes::script(long index, const EpisodeResult& result) const {
 bool stuck(Strategy& planning, Request request) {
   const auto goes = [&](const Command& command) {
     request.command = command;
-    return std::holds_alternative<Motion>(planning.plan(request).outcome);
+    return std::holds_alternative<PlannedMotion>(planning.plan(request).outcome);
   };
   Command command;
   for (const double size : {0.5, 1.0, 0.1}) {

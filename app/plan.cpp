@@ -24,12 +24,12 @@ int plan(const PlanOptions& o) {
   session.on_plan = [&](const PlanRecord& record) {
     const double t = static_cast<double>(record.request.take_over) * robot.profile().tick.period;
     nlohmann::json entry = {{"t", t}, {"guide", to_string(record.request.command.guide)}};
-    if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
-      entry.update(to_json(*motion, record.result.context.anchor));
+    if (const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome)) {
+      entry.update(to_json(*planned, record.result.context.anchor));
       if (o.out) {
         const auto file = *o.out / fmt::format("segment_{:03}.json", motions++);
         write_whole(file, "--out",
-                    motion_file(*motion, {o.robot, o.world, record.result.context.anchor}).dump() + '\n');
+                    motion_file(*planned->motion, {o.robot, o.world, record.result.context.anchor}).dump() + '\n');
         entry["file"] = file.string();
       }
     } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {

@@ -18,18 +18,18 @@ int verify(const VerifyOptions& o) {
       o.robot ? RobotModel::load(*o.robot) : named_in(named, [&] { return RobotModel::load(place.robot); });
   const World world = o.world ? World::load(*o.world) : named_in(named, [&] { return World::load(place.world); });
   Motion motion = read_motion(o.motion, robot);
-  Verifier verifier(robot, world);
-  const auto verdict = verifier.verify(motion, place.anchor, Limits::normal(robot.profile()));
   nlohmann::json result = {{"robot", robot.profile().name}, {"world", world.name()}, {"T", motion.duration()}};
-  const auto* certificate = std::get_if<Certificate>(&verdict);
-  result["verified"] = certificate != nullptr;
-  if (certificate != nullptr) {
-    result["margins"] = to_json(*certificate);
+  Verifier verifier(robot, world);
+  const auto verdict = verifier.verify(std::move(motion), place.anchor, Limits::normal(robot.profile()));
+  const auto* verified = std::get_if<VerifiedMotion>(&verdict);
+  result["verified"] = verified != nullptr;
+  if (verified != nullptr) {
+    result["margins"] = to_json(verified->certificate());
   } else {
     result["refused"] = to_json(std::get<Refusal>(verdict));
   }
   fmt::print("{}\n", result.dump(2));
-  return certificate != nullptr ? kDone : kFailed;
+  return verified != nullptr ? kDone : kFailed;
 }
 
 }  // namespace baton::app

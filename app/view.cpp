@@ -67,7 +67,7 @@ void View::show(const Session& session, const DeviceStatus& device, const Refusa
     frame.goal = std::move(goal);
     frame.segment_time = session.t() - segment_start_;
     frame.segment_duration = nav.motion()->duration();
-    frame.limit = nav.motion()->limit;
+    frame.limit = nav.planned()->limit;
   }
   frame.history = nav.history();
   frame.contact = plan.contact;

@@ -85,9 +85,9 @@ Rows bench_duration(const Options& /*unused*/) {
     for (std::size_t i = 0; i < std::min(kWhole, feasible.size()); ++i) {
       const PlanResult planned =
           planner.plan(feasible[i].task.from, feasible[i].task.goal, world.site("start"), limits);
-      if (const auto* motion = std::get_if<Motion>(&planned)) {
-        row.values.push_back(motion->duration() / feasible[i].least);
-        ++against[name_of(motion->not_shorter)];
+      if (const auto* found = std::get_if<PlannedMotion>(&planned)) {
+        row.values.push_back(found->motion->duration() / feasible[i].least);
+        ++against[name_of(found->not_shorter)];
       } else {
         ++refused[std::string(to_string(std::get<Refusal>(planned).reason))];
       }

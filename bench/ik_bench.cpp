@@ -14,12 +14,12 @@ Rows bench_ik(const Options& /*unused*/) {
   app::Session session(robot, world, app::Session::On::ideal);
   struct Recorded {
     Posture from;
-    Motion motion;
+    VerifiedMotion motion;
   };
   std::vector<Recorded> recorded;
   session.on_plan = [&](const PlanRecord& record) {
-    if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
-      recorded.push_back({record.request.start, *motion});
+    if (const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome)) {
+      recorded.push_back({record.request.start, planned->motion});
     }
   };
   while (session.t() < 20.0) {
@@ -37,7 +37,7 @@ Rows bench_ik(const Options& /*unused*/) {
     double worst = 0.0;
     for (const Recorded& segment_record : recorded) {
       const Posture& from = segment_record.from;
-      const Motion& motion = segment_record.motion;
+      const Motion& motion = *segment_record.motion;
       if ((row == &reach) != (motion.goal.guided == Part::left_hand)) continue;
       const Segment segment(robot, from, motion.goal, Limits::normal(robot.profile()), part_rates(kinematics, from));
       Timing timing{motion.period, {0}};

@@ -157,7 +157,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
     Answer result = planning.plan(*request);
     change.plan_us.push_back(cpu_us() - before);
     const auto* refusal = std::get_if<Refusal>(&result.outcome);
-    if (change.plan_us.size() == 1 && !std::holds_alternative<Motion>(result.outcome))
+    if (change.plan_us.size() == 1 && !std::holds_alternative<PlannedMotion>(result.outcome))
       change.first_against = refusal != nullptr ? to_string(refusal->reason) : "nothing to do";
     changed.navigator.offer(std::move(result));
   }

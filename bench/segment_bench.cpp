@@ -24,14 +24,15 @@ Rows bench_segment(const Options& /*unused*/) {
     for (std::uint64_t seed = 1; seed <= kScripts; ++seed) {
       app::Session session(robot, world, app::Session::On::ideal, std::nullopt, {}, Modes{rule, OnLimit::shrink});
       session.on_plan = [&](const PlanRecord& record) {
-        const auto* motion = std::get_if<Motion>(&record.result.outcome);
-        if (motion == nullptr) return;
+        const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome);
+        if (planned == nullptr) return;
         request.values.push_back(record.plan_us);
         const GuideContext& context = record.request.context;
         std::optional<PlanResult> again;
-        time(segment, [&] { again = planner.plan(record.request.start, motion->goal, context.anchor, limits); });
-        T += std::get<Motion>(*again).duration();
-        tried += std::get<Motion>(*again).durations_tried;
+        time(segment,
+             [&] { again = planner.plan(record.request.start, planned->motion->goal, context.anchor, limits); });
+        T += std::get<PlannedMotion>(*again).motion->duration();
+        tried += std::get<PlannedMotion>(*again).durations_tried;
       };
       for (const Stretch& stretch : random_script(seed, 30.0)) {
         while (session.t() < stretch.until - 1e-9)

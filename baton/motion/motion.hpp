@@ -45,7 +45,15 @@ struct MotionSample {
   BySide<bool> contact{true, true};
 };
 
-/// A whole motion from the posture it was planned at to rest. Immutable once verified.
+/// The way of a swing foot.
+struct SwingArc {
+  Pose lift_off;        ///< where it left the ground, or was in the air at rest
+  double apex_t = 0.0;  ///< when it is highest, from the start of the motion [s]
+  double apex = 0.0;    ///< how high that is [m]
+};
+
+/// A whole motion from the posture it was planned at to rest: a candidate, until the verifier has made a
+/// `VerifiedMotion` of it.
 struct Motion {
   double period = 0.0;  ///< of a tick [s]
   Goal goal;
@@ -56,18 +64,10 @@ struct Motion {
   std::vector<MotionSample> samples;  ///< one a tick, both ends included
   Posture end;                        ///< at rest
   MotionSample rest;                  ///< the sample of every tick after the end
-  Certificate certificate;
-  int durations_tried = 0;  ///< by the duration correction
-  bool retraces = false;    ///< an executed motion, backwards
+  SwingArc swing;                     ///< if a foot swings
+  bool retraces = false;              ///< an executed motion, backwards
   /// Of a way back that is taken in part: the sample at which it leaves the executed motion for the rest it ends at.
   std::optional<int> leaves;
-  Pose lift_off;        ///< where the swing foot left the ground, or was in the air at rest
-  double apex_t = 0.0;  ///< when the swing foot is highest [s]
-  double apex = 0.0;    ///< how high that is [m]
-  /// What spoke against the longest of the shorter durations that were tried.
-  std::optional<Refusal> not_shorter;
-  /// What spoke against the goal that the command asked for, if this is only a part of the way there.
-  std::optional<Refusal> limit;
 
   [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }
   [[nodiscard]] double duration() const { return period * ticks(); }

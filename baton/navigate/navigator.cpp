@@ -107,7 +107,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   stop_pressed_ = stop_pressed_ || command_.recall == Recall::stop;
 
   if (motion_ && ++index_ == motion_->ticks()) end_of_motion();
-  sample_ = motion_ ? &motion_->samples[static_cast<std::size_t>(index_)] : &held_;
+  sample_ = motion_ ? &motion_->samples[static_cast<std::size_t>(index_)] : &held();
   const Measurement& measured = odometry_.update(measurement, *sample_);
   state_ = &estimator_.update(measured, anchor_);
   watch();
@@ -120,7 +120,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
     soft_.q = measurement.q;
     return soft_;
   }
-  const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held_;
+  const MotionSample& next = motion_ ? motion_->samples[static_cast<std::size_t>(index_) + 1] : held();
   const JointTarget& target = stabiliser_.target(*sample_, next, *state_);
   if (!motion_ || motion_->retraces) settle();  // a way back may be minutes long, and soles slide on each step of it
   if (!motion_ && command_.neutral()) way_ = anchor_;  // who sees it stand there goes on from there
@@ -129,6 +129,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
 
 void Navigator::poll() {
   past_motion_.reset();
+  past_rest_.reset();
   past_refusal_.reset();
   if (guard_ == Guard::stood_up && command_.neutral() && supported()) begin_anew();
   if (slipped_) history_.clear();  // what led here does not lead back
@@ -323,7 +324,7 @@ std::optional<Flight> Navigator::flight(int at) const {
   const Side up = sample.contact.left ? Side::right : Side::left;
   const int arrives = motion_->goal.contact[up] ? motion_->last_phase() : motion_->ticks();
   const double left = std::max((arrives - at) * period, kLeastFlight);
-  return Flight{up, motion_->lift_off, left, motion_->apex_t - at * period, motion_->apex};
+  return Flight{up, motion_->swing.lift_off, left, motion_->swing.apex_t - at * period, motion_->swing.apex};
 }
 
 Request Navigator::request_replacing(int at) const {
@@ -496,10 +497,11 @@ void Navigator::offer(Answer result) {
 
 void Navigator::end_of_motion() {
   note_steps(motion_->goal, last_step_, foothold_);
-  std::swap(posture_, motion_->end);
-  std::swap(held_, motion_->rest);
-  past_motion_ = std::move(motion_);
-  motion_.reset();
+  past_rest_.swap(rested_);
+  rested_ = planned_->motion;
+  past_motion_ = std::move(planned_);
+  planned_.reset();
+  motion_ = nullptr;
 }
 
 void Navigator::drop_refusal() {
@@ -530,7 +532,8 @@ bool Navigator::take_over() {
   if (disturbed_ && !urgent) return false;  // pushed meanwhile
   // Let go of meanwhile: the motion under way ends at rest.
   if (!urgent && (stop_pressed_ || (motion_ && command_.neutral()))) return false;
-  if (const auto* motion = std::get_if<Motion>(&result.outcome)) {
+  if (const auto* planned = std::get_if<PlannedMotion>(&result.outcome)) {
+    const Motion* motion = &*planned->motion;
     if (motion->retraces && history_.empty()) return false;  // a slip has ended the way back meanwhile
     if (stops && motion_ && !motion_->retraces && motion->ticks() >= motion_->ticks() - index_)
       return false;  // not sooner
@@ -559,7 +562,8 @@ bool Navigator::take_over() {
 }
 
 void Navigator::commit(Answer& result) {
-  auto& motion = std::get<Motion>(result.outcome);
+  auto& planned = std::get<PlannedMotion>(result.outcome);
+  const Motion& motion = *planned.motion;
   halts_ = motion_ && motion_->retraces;
   if (motion.retraces) {
     retraced_.swap(history_.back());
@@ -572,11 +576,12 @@ void Navigator::commit(Answer& result) {
   } else if (!history_.empty()) {
     history_.back().swap(result.trail);
   }
-  if (motion_) {
-    std::swap(*motion_, motion);
+  if (planned_) {
+    std::swap(*planned_, planned);
   } else {
-    motion_ = std::move(motion);
+    planned_ = std::move(planned);
   }
+  motion_ = &motion;
   index_ = 0;
   std::swap(base_, result.context);
   anchor_ = base_.anchor;
@@ -642,6 +647,7 @@ bool Navigator::supported() const {
 }
 
 void Navigator::begin_anew() {
+  rested_.reset();
   posture_ = posture_of(*robot_, state_->q);
   held_ = resting(*robot_, posture_);
   foothold_ = posture_.sole;
@@ -660,12 +666,13 @@ void Navigator::begin_anew() {
 void Navigator::fall() {
   guard_ = Guard::fallen;
   guard_ticks_ = 0;
-  if (motion_) past_motion_ = std::move(motion_);
-  motion_.reset();
+  if (planned_) past_motion_ = std::move(planned_);
+  planned_.reset();
+  motion_ = nullptr;
   waits_ = answered_ = false;
   disturbed_ = slipped_ = false;
   dcm_error_.setZero();
-  sample_ = &held_;
+  sample_ = &held();
 }
 
 Intent Navigator::intent() const {

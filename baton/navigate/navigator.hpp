@@ -98,7 +98,9 @@ class Navigator {
   /// Where the anchor would be if no sole had slid since the robot rested last with the stick let go of.
   [[nodiscard]] const Pose& way() const { return way_; }
   /// The committed motion, or null in hold.
-  [[nodiscard]] const Motion* motion() const { return motion_ ? &*motion_ : nullptr; }
+  [[nodiscard]] const Motion* motion() const { return motion_; }
+  /// The same, with what is known of it beside.
+  [[nodiscard]] const PlannedMotion* planned() const { return planned_ ? &*planned_ : nullptr; }
   [[nodiscard]] const Command& command() const { return command_; }
   /// The newest refusal, while the command that it answered still stands.
   [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
@@ -171,7 +173,10 @@ class Navigator {
   /// What a trunk that is led by this command makes up for of how far soles slid.
   [[nodiscard]] Pose way_back(const GuideContext& context, const Command& command) const;
   /// Where the motion that ends next comes to rest, or where the robot rests.
-  [[nodiscard]] const Posture& rest() const { return motion_ ? motion_->end : posture_; }
+  [[nodiscard]] const Posture& rest() const { return motion_ ? motion_->end : posture(); }
+  /// Where the robot rests when there is no motion, and the sample of that.
+  [[nodiscard]] const Posture& posture() const { return rested_ ? (*rested_)->end : posture_; }
+  [[nodiscard]] const MotionSample& held() const { return rested_ ? (*rested_)->rest : held_; }
 
   const RobotModel* robot_;
   const World* world_;
@@ -185,10 +190,12 @@ class Navigator {
   Command command_;
   Pose anchor_;                           ///< planning frame in the world
   Pose way_;                              ///< where it would be if no sole had slid
-  std::optional<Motion> motion_;          ///< the committed motion; none: the robot rests
+  std::optional<PlannedMotion> planned_;  ///< the committed motion; none: the robot rests
+  const Motion* motion_ = nullptr;        ///< the same
   int index_ = 0;                         ///< sample of it that belongs to this tick
-  Posture posture_;                       ///< where the robot rests when no motion is left
-  MotionSample held_;                     ///< its sample
+  std::optional<VerifiedMotion> rested_;  ///< the motion that the robot rests after; none: it has begun anew
+  Posture posture_;                       ///< where it began
+  MotionSample held_;                     ///< the sample of that
   const MotionSample* sample_ = nullptr;  ///< planned, at this tick
   const State* state_ = nullptr;
   JointTarget soft_;  ///< after a fall: nothing is asked of the motors
@@ -216,7 +223,8 @@ class Navigator {
   std::optional<Answer> offered_;  ///< the newest answer, to be taken over, or what that left
   bool answered_ = false;          ///< it is to be taken over
   // The tick frees no memory: what is over is kept until the next `poll`.
-  std::optional<Motion> past_motion_;
+  std::optional<PlannedMotion> past_motion_;
+  std::optional<VerifiedMotion> past_rest_;
   std::optional<Refusal> past_refusal_;
   std::optional<Refusal> refusal_;
   bool refused_at_rest_ = false;

@@ -1,13 +1,13 @@
 /// Goal and posture → verified motion, or the reason why there is none.
 #pragma once
 
+#include "baton/plan/planned_motion.hpp"
 #include "baton/plan/retrace.hpp"
 #include "baton/plan/segment.hpp"
+#include "baton/plan/survey.hpp"
 #include "baton/verify/verifier.hpp"
 
 namespace baton {
-
-using PlanResult = std::variant<Motion, Refusal>;
 
 /// How the duration of a motion is found (docs/theory.md §4).
 enum class DurationRule {
@@ -20,7 +20,7 @@ class Planner {
   /// Robot and world must outlive the object.
   Planner(const RobotModel& robot, const World& world, DurationRule rule = DurationRule::paper);
 
-  /// For one duration after another: VRP knots that keep the ZMP inside the supports; a look along the motion, which
+  /// For one duration after another: VRP knots that keep the ZMP inside the supports; a survey of the motion, which
   /// tells the limbs' part in the ZMP; the knots again, corrected by it; inverse kinematics and verification at every
   /// tick. What speaks against a candidate says whether a longer duration may mend it and which; what none mends
   /// (collision, joint limit, reach) ends the search. A pure function of its arguments.
@@ -41,7 +41,7 @@ class Planner {
 
   /// A part of the way back, and the rest where it ends.
   struct PartOfWay {
-    Motion motion;  ///< its `limit` is what speaks against going on
+    PlannedMotion planned;  ///< its `limit` is what speaks against going on
     Halt halt;
   };
   /// The way back to the last rest on it before what speaks against the whole of it; none if there is no such rest.
@@ -55,36 +55,38 @@ class Planner {
     Refusal refusal;
     double stretch = 0.0;
   };
+  /// A search for the duration of one segment.
   struct Task {
     const Segment& segment;
     const Pose& anchor;
     std::vector<VecX> looked{};  ///< postures of the last survey: where the next one starts from
+    int tried = 0;               ///< durations looked at
+    std::optional<Refusal> not_shorter{};
+  };
+  struct Candidate {
+    Timing timing;
+    ComPath com{};
   };
 
-  [[nodiscard]] PlanResult by_paper(Task& task, Motion motion);
-  [[nodiscard]] PlanResult by_search(Task& task, Motion motion);
+  [[nodiscard]] PlanResult by_paper(Task& task);
+  [[nodiscard]] PlanResult by_search(Task& task);
 
-  [[nodiscard]] static Failure judged(Refusal refusal, const Motion& motion);
-  /// The COM of a candidate and a look along it.
-  [[nodiscard]] std::optional<Failure> look(Task& task, const Timing& timing, Motion& motion);
-  /// Verifies a motion that has its joint paths, and completes it.
-  [[nodiscard]] std::optional<Refusal> certify(Motion& motion, const Pose& anchor, const Limits& limits);
+  [[nodiscard]] static Failure judged(Refusal refusal, const Segment& segment);
+  /// Finds the COM path of a candidate and looks along it.
+  [[nodiscard]] std::optional<Failure> look(Task& task, Candidate& candidate);
   /// The same candidate worked out and verified at every tick.
-  [[nodiscard]] std::optional<Failure> finish(Task& task, const Timing& timing, Motion& motion);
+  [[nodiscard]] std::variant<PlannedMotion, Failure> finish(const Task& task, const Candidate& candidate);
   /// How to divide a duration: as near to the shares as the point mass can do it, on the way to the division of the
   /// shortest.
   [[nodiscard]] std::optional<Timing> timing(const Segment& segment, const Timing& shortest, int ticks);
-  /// A look at a candidate, a few postures only: what certainly fails is not worth more; else the limbs' part in its
-  /// ZMP.
-  [[nodiscard]] std::variant<VrpOffset, Refusal> survey(Task& task, const ComPath& path, const Timing& timing);
-  /// Joint paths of a candidate; a refusal if inverse kinematics cannot follow.
-  [[nodiscard]] std::optional<Refusal> realise(const Task& task, const Timing& timing, Motion& motion);
+  /// A candidate with its joint paths; a refusal if inverse kinematics cannot follow.
+  [[nodiscard]] std::variant<Motion, Refusal> realise(const Segment& segment, const Candidate& candidate);
 
   const RobotModel* robot_;
   DurationRule rule_;
   BoundedCom com_;
+  Survey survey_;
   InverseKinematics ik_;
-  InverseKinematics coarse_;  ///< for surveys
   Kinematics kinematics_;
   Verifier verifier_;
 };

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "baton/guide/guide.hpp"
-#include "baton/motion/motion.hpp"
+#include "baton/plan/planned_motion.hpp"
 #include "baton/plan/retrace.hpp"
 
 namespace baton {
@@ -47,7 +47,7 @@ struct Answer {
   long take_over = 0;
   Command command;
   GuideContext context;
-  std::variant<std::monostate, Motion, Refusal> outcome;
+  std::variant<std::monostate, PlannedMotion, Refusal> outcome;
   /// With a motion: what it belongs to from then on, or retraces; with a part of a way back, what is left of that.
   std::shared_ptr<const Trail> trail;
   std::optional<Vec2> catches{};  ///< as in the request

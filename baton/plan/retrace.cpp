@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "baton/model/kinematics.hpp"
+#include "baton/ik/stand.hpp"
 
 namespace baton {
 
@@ -61,6 +61,7 @@ Motion reversed(const RobotModel& robot, const Trail& trail) {
   motion.period = robot.profile().tick.period;
   motion.retraces = true;
   motion.end = trail.start;
+  motion.rest = resting(robot, trail.start);
   Goal& goal = motion.goal;
   goal = trail.pieces.back().goal;
   goal.sole = trail.start.sole;

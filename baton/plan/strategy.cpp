@@ -15,8 +15,8 @@ constexpr double kSooner = 0.5;        ///< share of what is left of its flight 
 constexpr double kFalls = 0.1;  ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
 
 /// What a planner answered, as an answer to a request.
-std::variant<std::monostate, Motion, Refusal> outcome_of(PlanResult planned) {
-  if (auto* motion = std::get_if<Motion>(&planned)) return std::move(*motion);
+std::variant<std::monostate, PlannedMotion, Refusal> outcome_of(PlanResult planned) {
+  if (auto* motion = std::get_if<PlannedMotion>(&planned)) return std::move(*motion);
   return std::get<Refusal>(std::move(planned));
 }
 
@@ -34,15 +34,16 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
 Answer Strategy::plan(const Request& request) {
   Answer result{request.take_over, request.command, request.context, {}, request.trail, request.catches};
   result.outcome = outcome(request, result.trail);
-  const auto* motion = std::get_if<Motion>(&result.outcome);
-  if (motion == nullptr && request.otherwise) return plan(*request.otherwise);
-  if (motion == nullptr || motion->retraces) return result;
+  const auto* planned = std::get_if<PlannedMotion>(&result.outcome);
+  if (planned == nullptr && request.otherwise) return plan(*request.otherwise);
+  if (planned == nullptr || planned->motion->retraces) return result;
+  const Motion& motion = *planned->motion;
   if (request.replaced_at < 0) {
-    result.trail = std::make_shared<const Trail>(trail_of(request.start, *motion));
+    result.trail = std::make_shared<const Trail>(trail_of(request.start, motion));
   } else if (request.halt) {
     result.trail = std::make_shared<const Trail>(trail_to(*request.trail, *request.halt));
   } else if (request.trail) {
-    result.trail = std::make_shared<const Trail>(continued(*request.trail, request.replaced_at, *motion));
+    result.trail = std::make_shared<const Trail>(continued(*request.trail, request.replaced_at, motion));
   }
   return result;
 }
@@ -66,7 +67,7 @@ Strategy::Outcome Strategy::led(const Limits& limits, const Request& request) {
   }
   Outcome whole = resolve(limits, request, guide_.goals(request.context, request.command));
   if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<Motion> part = shrunk(limits, request, std::get<Refusal>(whole));
+  std::optional<PlannedMotion> part = shrunk(limits, request, std::get<Refusal>(whole));
   if (!part) return whole;
   part->limit = std::get<Refusal>(std::move(whole));
   return *std::move(part);
@@ -88,11 +89,11 @@ Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<cons
     std::optional<Planner::PartOfWay> part = planner_.retrace_part(trail, request.context.anchor, normal_, *refusal);
     if (!part) return std::move(*refusal);
     left = std::make_shared<const Trail>(trail_to(trail, part->halt));
-    planned = std::move(part->motion);
+    planned = std::move(part->planned);
   }
-  auto& motion = std::get<Motion>(planned);
-  if (std::optional<Refusal> tips = no_stance(motion, request)) return *std::move(tips);
-  return std::move(motion);
+  auto& back = std::get<PlannedMotion>(planned);
+  if (std::optional<Refusal> tips = no_stance(*back.motion, request)) return *std::move(tips);
+  return std::move(back);
 }
 
 Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
@@ -114,12 +115,12 @@ Strategy::Outcome Strategy::catch_step(const Request& request) {
   Outcome best;
   for (const Goal& goal : *goals) {
     Outcome outcome = quickest(push_recovery_, {goal}, request);
-    const auto* motion = std::get_if<Motion>(&outcome);
-    if (motion == nullptr) continue;
+    const auto* planned = std::get_if<PlannedMotion>(&outcome);
+    if (planned == nullptr) continue;
     const Side side = *goal.swing;
     const Pose& before = request.context.step ? request.context.step->to : request.context.from.sole[other(side)];
     const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
-    const double lack = lacks((tick.lookahead + motion->last_phase()) * tick.period, gained);
+    const double lack = lacks((tick.lookahead + planned->motion->last_phase()) * tick.period, gained);
     if (lack >= least) continue;
     least = lack;
     best = std::move(outcome);
@@ -136,13 +137,13 @@ Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goa
     flight.rise *= left / flight.left;
     flight.left = left;
   }
-  std::optional<Motion> best;
+  std::optional<PlannedMotion> best;
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
     for (const Posture& start : starts) {
       PlanResult planned = planner_.plan(start, goal, request.context.anchor, limits, DurationRule::search);
-      if (auto* motion = std::get_if<Motion>(&planned)) {
-        if (!best || motion->ticks() < best->ticks()) best = std::move(*motion);
+      if (auto* found = std::get_if<PlannedMotion>(&planned)) {
+        if (!best || found->motion->ticks() < best->motion->ticks()) best = std::move(*found);
       } else if (!against) {
         against = std::get<Refusal>(std::move(planned));
       }
@@ -156,18 +157,18 @@ Strategy::Outcome Strategy::halt(const Request& request) {
   return outcome_of(planner_.halt(request.start, *request.trail, *request.halt, request.context.anchor, normal_));
 }
 
-std::optional<Motion> Strategy::shrunk(const Limits& limits, const Request& request, const Refusal& against) {
+std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Request& request, const Refusal& against) {
   const Posture& from = request.context.from;
   const Command& command = request.command;
   const bool both_stand = from.contact.left && from.contact.right;
   if (command.recall != Recall::none ||
       (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
     return std::nullopt;
-  std::optional<Motion> best;
+  std::optional<PlannedMotion> best;
   const auto accepted = [&](Outcome outcome) {
-    auto* motion = std::get_if<Motion>(&outcome);
-    const bool better = motion != nullptr && worth(from, *motion);
-    if (better) best = std::move(*motion);
+    auto* planned = std::get_if<PlannedMotion>(&outcome);
+    const bool better = planned != nullptr && worth(from, *planned->motion);
+    if (better) best = std::move(*planned);
     return better;
   };
   const auto tried = [&](const Command& candidate) {
@@ -222,9 +223,9 @@ PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goa
   std::optional<Refusal> against;
   for (const Goal& goal : goals) {
     PlanResult planned = planner_.plan(request.start, goal, request.context.anchor, limits);
-    if (auto* motion = std::get_if<Motion>(&planned)) {
-      std::optional<Refusal> against_it = no_stance(*motion, request);
-      if (!against_it) against_it = no_landing(*motion, request.context);
+    if (const auto* found = std::get_if<PlannedMotion>(&planned)) {
+      std::optional<Refusal> against_it = no_stance(*found->motion, request);
+      if (!against_it) against_it = no_landing(*found->motion, request.context);
       if (!against_it) return planned;
       planned = *std::move(against_it);
     }
@@ -254,7 +255,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
     for (const Goal& goal : *goals) {
       PlanResult planned = planner_.plan(end, goal, context.anchor, normal_);
-      if (std::holds_alternative<Motion>(planned)) return std::nullopt;
+      if (std::holds_alternative<PlannedMotion>(planned)) return std::nullopt;
       if (!against) against = std::get<Refusal>(planned);
     }
   } else {

@@ -14,7 +14,7 @@ class Strategy {
   [[nodiscard]] Answer plan(const Request& request);
 
  private:
-  using Outcome = std::variant<std::monostate, Motion, Refusal>;
+  using Outcome = std::variant<std::monostate, PlannedMotion, Refusal>;
 
   /// @param trail what the motion belongs to or retraces; of a part of a way back, what is left of it afterwards
   [[nodiscard]] Outcome outcome(const Request& request, std::shared_ptr<const Trail>& trail);
@@ -34,7 +34,8 @@ class Strategy {
   [[nodiscard]] Outcome halt(const Request& request);
   /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
   /// @param against what speaks against the whole
-  [[nodiscard]] std::optional<Motion> shrunk(const Limits& limits, const Request& request, const Refusal& against);
+  [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request,
+                                                    const Refusal& against);
   /// Whether the guided part comes anywhere by it.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first of these goals that has a verified motion; else what speaks against the first.

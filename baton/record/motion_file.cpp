@@ -62,7 +62,7 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
           {"phases", phases},
           {"dq0", vector_json(motion.dq0)},
           {"contact_before", contact_json(motion.contact_before)},
-          {"lift_off", pose_json(motion.lift_off)},
+          {"lift_off", pose_json(motion.swing.lift_off)},
           {"retraces", motion.retraces},
           {"returns", motion.goal.returns},
           {"unsure", motion.goal.unsure},
@@ -103,7 +103,7 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
                     file.string(), sum, motion.samples.size()));
   }
   set_contacts(motion);
-  motion.lift_off = pose_in(read.at("lift_off"));
+  motion.swing.lift_off = pose_in(read.at("lift_off"));
   motion.contact_before = contact_in(read.at("contact_before"));
   motion.retraces = read.at("retraces").truth();
   motion.goal.returns = read.at("returns").truth();

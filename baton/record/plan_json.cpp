@@ -35,7 +35,8 @@ nlohmann::json to_json(const Certificate& certificate) {
   return margins;
 }
 
-nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
+nlohmann::json to_json(const PlannedMotion& planned, const Pose& anchor) {
+  const Motion& motion = *planned.motion;
   nlohmann::json phases = nlohmann::json::array();
   for (const ContactPhase& phase : motion.phases) {
     phases.push_back({{"duration", phase.ticks * motion.period},
@@ -57,13 +58,13 @@ nlohmann::json to_json(const Motion& motion, const Pose& anchor) {
                          {"guided", to_string(motion.goal.guided)},
                          {"swing", nullptr},
                          {"T", motion.duration()},
-                         {"durations_tried", motion.durations_tried},
-                         {"not_shorter", to_json(motion.not_shorter)},
+                         {"durations_tried", planned.durations_tried},
+                         {"not_shorter", to_json(planned.not_shorter)},
                          {"retraces", motion.retraces},
-                         {"limit", to_json(motion.limit)},
+                         {"limit", to_json(planned.limit)},
                          {"phases", phases},
                          {"knots", knots},
-                         {"margins", to_json(motion.certificate)},
+                         {"margins", to_json(planned.motion.certificate())},
                          {"goal", goal}};
   if (motion.goal.swing) json["swing"] = to_string(foot(*motion.goal.swing));
   return json;

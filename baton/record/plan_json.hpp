@@ -3,12 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "baton/motion/motion.hpp"
+#include "baton/plan/planned_motion.hpp"
 
 namespace baton {
 
 /// Lengths in m, angles in rad, times in s; poses in the world by `anchor`.
-[[nodiscard]] nlohmann::json to_json(const Motion& motion, const Pose& anchor);
+[[nodiscard]] nlohmann::json to_json(const PlannedMotion& planned, const Pose& anchor);
 
 [[nodiscard]] nlohmann::json to_json(const Refusal& refusal);
 /// None is null.

@@ -123,13 +123,13 @@ void Report::add(const TickRecord& record) {
     segment_ = nav.segment();
     if (begins) {
       ++committed_;
-      if (nav.motion()->limit) ++shrunk_[std::string(to_string(nav.motion()->limit->reason))];
+      if (const auto& limit = nav.planned()->limit) ++shrunk_[std::string(to_string(limit->reason))];
       if (planned_by_ >= 0) {
         const auto by = static_cast<std::size_t>(planned_by_);
         open_.push_back({by, guided_pose(commands_[by].command.guide), record.t + nav.motion()->duration()});
       }
       com_start_ = kinematics_.com();
-      for (const Margin& margin : nav.motion()->certificate.margins) {
+      for (const Margin& margin : nav.planned()->motion.certificate().margins) {
         if (margin.quantity == Reason::zmp) planned_margin_ = std::min(planned_margin_, margin.value);
       }
     }

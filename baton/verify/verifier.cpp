@@ -62,11 +62,14 @@ class Verifier::Ledger {
   [[nodiscard]] bool violated() const { return violation_.has_value(); }
 
   template <typename Name>
-  [[nodiscard]] std::variant<Certificate, Refusal> result(const Name& name) const {
-    if (violation_) {
-      const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
-      return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_};
-    }
+  [[nodiscard]] std::optional<Refusal> refusal(const Name& name) const {
+    if (!violation_) return std::nullopt;
+    const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
+    return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_};
+  }
+
+  template <typename Name>
+  [[nodiscard]] Certificate certificate(const Name& name) const {
     Certificate certificate;
     for (std::size_t i = 0; i < kReasons; ++i) {
       const Entry& e = entries_[i];
@@ -199,7 +202,7 @@ double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
   const auto up = first_in_the_air(motion);
   if (most == 0.0 || up == motion.samples.end()) return most;
   const Side swing = up->contact.left ? Side::right : Side::left;
-  const Pose from = anchor * motion.lift_off;
+  const Pose from = anchor * motion.swing.lift_off;
   const ConvexPolygon outline = sole_outline(*robot_, swing, from);
   for (double margin = most; margin > 0.0; margin -= kMarginStep * most) {
     if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContact) return margin;
@@ -212,7 +215,7 @@ double Verifier::lowest(const Motion& motion, const Pose& anchor) const {
   const auto up = first_in_the_air(motion);
   if (up == motion.samples.end()) return kContact;
   const Side swing = up->contact.left ? Side::right : Side::left;
-  const Pose from = anchor * motion.lift_off;
+  const Pose from = anchor * motion.swing.lift_off;
   const double off =
       from.p.z() - world_->highest_under(sole_outline(*robot_, swing, from).inset(-bounds_.swing_margin));
   return std::clamp(off - kSlack, -robot_->profile().ground.flatness, kContact);
@@ -227,7 +230,7 @@ double Verifier::clearance(const Motion& motion, std::size_t tick) const {
     const double turn = wrap_angle(yaw_of(there.R) - yaw_of(sample.sole[swing].R));
     return (there.p - sample.sole[swing].p).head<2>().norm() + std::abs(turn) * robot_->profile().reach.foot;
   };
-  double way = travel(motion.lift_off);
+  double way = travel(motion.swing.lift_off);
   if (end.contact[swing]) way = std::min(way, travel(end.sole[swing]));
   return std::min(kClearance * bounds_.limits.swing_clearance, kRise * way);
 }
@@ -313,7 +316,7 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
   }
 }
 
-std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& anchor, const Limits& limits) {
+std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose& anchor, const Limits& limits) {
   Ledger ledger;
   const auto name = [this](Reason quantity, int subject) -> std::string {
     if (subject < 0) return "";
@@ -351,7 +354,8 @@ std::variant<Certificate, Refusal> Verifier::verify(Motion& motion, const Pose& 
     check_wrench(motion, k, t, ledger);
     check_distances(sample, anchor, k == 0, t, ledger);
   }
-  return ledger.result(name);
+  if (std::optional<Refusal> refusal = ledger.refusal(name)) return *std::move(refusal);
+  return VerifiedMotion(std::move(motion), ledger.certificate(name));
 }
 
 }  // namespace baton

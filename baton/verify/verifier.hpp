@@ -1,4 +1,4 @@
-/// Candidate motion → certificate or refusal: every limit, on the whole-body model, at every tick.
+/// Candidate motion → verified motion or refusal: every limit, on the whole-body model, at every tick.
 #pragma once
 
 #include <limits>
@@ -7,8 +7,8 @@
 #include "baton/model/contact.hpp"
 #include "baton/model/limits.hpp"
 #include "baton/model/world.hpp"
-#include "baton/motion/motion.hpp"
 #include "baton/verify/obstacles.hpp"
+#include "baton/verify/verified_motion.hpp"
 #include "baton/verify/vertex_forces.hpp"
 
 namespace baton {
@@ -22,10 +22,11 @@ class Verifier {
   /// posture and plan, how far the trunk leans, the contact wrench of the whole body (ZMP, friction, forces at the
   /// soles' vertices), the gap of the soles, the swing sole over the ground and the footholds, all at every tick;
   /// self-collision and obstacles wherever links have moved far enough to change the least distance. Ends at a
-  /// violation. Fills in `force`, `zmp` and `zmp_height` of the samples on the way.
+  /// violation. Completes the samples on the way: force, ZMP and where
+  /// that may be commanded.
   /// @param motion samples with q, dq, ddq, soles and contacts
   /// @param anchor planning frame in the world
-  [[nodiscard]] std::variant<Certificate, Refusal> verify(Motion& motion, const Pose& anchor, const Limits& limits);
+  [[nodiscard]] std::variant<VerifiedMotion, Refusal> verify(Motion motion, const Pose& anchor, const Limits& limits);
 
  private:
   class Ledger;

@@ -214,10 +214,10 @@ TEST(PlanningThread, AnswersAsPlanningDoes) {
       std::this_thread::yield();
     const Answer expected = planning.plan(request);
     ASSERT_EQ(answer->result.outcome.index(), expected.outcome.index());
-    if (const auto* motion = std::get_if<Motion>(&expected.outcome)) {
-      const Motion& other = std::get<Motion>(answer->result.outcome);
-      ASSERT_EQ(other.ticks(), motion->ticks());
-      EXPECT_EQ(other.end.q, motion->end.q);
+    if (const auto* planned = std::get_if<PlannedMotion>(&expected.outcome)) {
+      const VerifiedMotion& other = std::get<PlannedMotion>(answer->result.outcome).motion;
+      ASSERT_EQ(other->ticks(), planned->motion->ticks());
+      EXPECT_EQ(other->end.q, planned->motion->end.q);
     }
   }
   thread.post(request);  // and it ends well with a request in hand

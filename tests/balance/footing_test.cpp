@@ -42,7 +42,8 @@ class FootingTest : public testing::TestWithParam<std::string> {
     static std::map<std::string, std::vector<MotionSample>> known;
     std::vector<MotionSample>& list = known[GetParam()];
     if (!list.empty()) return list;
-    for (const Motion& motion : test::sample_motions(GetParam())) {
+    for (const VerifiedMotion& verified : test::sample_motions(GetParam())) {
+      const Motion& motion = *verified;
       for (std::size_t k = 0; k < motion.samples.size(); k += 7)
         list.push_back(motion.samples[k]);
     }

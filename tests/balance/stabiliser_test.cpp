@@ -19,7 +19,8 @@ class StabiliserTest : public testing::TestWithParam<std::string> {
     static std::map<std::string, std::vector<Moment>> known;
     std::vector<Moment>& list = known[GetParam()];
     if (!list.empty()) return list;
-    for (const Motion& motion : test::sample_motions(GetParam())) {
+    for (const VerifiedMotion& verified : test::sample_motions(GetParam())) {
+      const Motion& motion = *verified;
       for (std::size_t k = 0; k + 1 < motion.samples.size(); k += 7) {
         list.push_back({motion.samples[k], motion.samples[k + 1]});
       }

@@ -22,7 +22,8 @@ class WrenchDistributionTest : public testing::TestWithParam<std::string> {
     std::uniform_real_distribution<double> anywhere(-0.4, 0.4);
     const double height = robot_.profile().stance.com_height;
     std::vector<Case> list;
-    for (const Motion& motion : test::sample_motions(GetParam())) {
+    for (const VerifiedMotion& verified : test::sample_motions(GetParam())) {
+      const Motion& motion = *verified;
       for (const MotionSample& sample : motion.samples) {
         if (!sample.contact.left || !sample.contact.right || !sample.zmp_region) continue;
         kinematics_.set(sample.q);

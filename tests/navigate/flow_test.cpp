@@ -67,7 +67,7 @@ TEST_P(FlowTest, WhateverReplacesAMotionGoesOnFromItsStateAndEndsAtRest) {
       }
       if (motion != nullptr && walk.navigator().committed() != committed) {
         ASSERT_TRUE(motion->end.dq.isZero(0.0));
-        ASSERT_FALSE(motion->certificate.margins.empty());
+        ASSERT_FALSE(walk.navigator().planned()->motion.certificate().margins.empty());
       }
       // What the joints are told never jumps.
       if (k > 1) {

@@ -97,11 +97,11 @@ class FuzzedRun {
         const std::optional<Request> request = again.request();
         ASSERT_TRUE(request) << "tick " << again.now() << ": nothing is asked";
         ASSERT_EQ(request->take_over, known.take_over);
-        const auto* motion = std::get_if<Motion>(&known.outcome);
+        const auto* motion = std::get_if<PlannedMotion>(&known.outcome);
         if (motion == nullptr || event.answer % 4 != 0) continue;
         const Answer planned = planning.plan(*request);
-        ASSERT_TRUE(std::holds_alternative<Motion>(planned.outcome)) << "tick " << again.now();
-        ASSERT_EQ(std::get<Motion>(planned.outcome).end.q, motion->end.q);
+        ASSERT_TRUE(std::holds_alternative<PlannedMotion>(planned.outcome)) << "tick " << again.now();
+        ASSERT_EQ(std::get<PlannedMotion>(planned.outcome).motion->end.q, motion->motion->end.q);
       }
     }
     EXPECT_EQ(again.committed(), navigator_.committed());
@@ -327,7 +327,7 @@ class FuzzedRun {
     } else {
       ASSERT_TRUE(motion->samples.back().dq.isZero(0.0)) << k;
       ASSERT_EQ(motion->samples.back().q, motion->end.q) << k;
-      ASSERT_FALSE(motion->certificate.margins.empty()) << k;
+      ASSERT_FALSE(navigator_.planned()->motion.certificate().margins.empty()) << k;
     }
     // What is planned never jumps.
     if (before.guard == guard && before.q.size() > 0) {
@@ -350,8 +350,7 @@ class FuzzedRun {
     ASSERT_EQ(intent == Intent::stop, stops && !answer->catches) << k;
     const Profile& profile = robot_.profile();
     const Limits limits = answer->catches ? Limits::push_recovery(profile) : Limits::normal(profile);
-    Motion copy = *motion;
-    ASSERT_TRUE(std::holds_alternative<Certificate>(verifier_.verify(copy, navigator_.anchor(), limits))) << k;
+    ASSERT_TRUE(std::holds_alternative<VerifiedMotion>(verifier_.verify(*motion, navigator_.anchor(), limits))) << k;
     ++(answer->catches ? tally_.catches : stops ? tally_.stops : tally_.ordinary);
     if (stops || answer->catches) return;
     ASSERT_FALSE(stopped_since_ask_) << k << ": a stop was pressed since this was asked for";

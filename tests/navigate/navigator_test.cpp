@@ -184,9 +184,9 @@ TEST_P(NavigatorTest, WhateverTheStickDoesJointsKeepTheirLimitsAndEveryMotionEnd
         ASSERT_LE(std::abs(target.tau[i]), joint.motor.stall) << joint.name;
       }
       before = target.q;
-      if (const Motion* motion = run.navigator().motion()) {
-        ASSERT_TRUE(motion->samples.back().dq.isZero(0.0));
-        ASSERT_FALSE(motion->certificate.margins.empty());
+      if (const PlannedMotion* planned = run.navigator().planned()) {
+        ASSERT_TRUE(planned->motion->samples.back().dq.isZero(0.0));
+        ASSERT_FALSE(planned->motion.certificate().margins.empty());
       }
     }
     EXPECT_GT(run.navigator().committed(), 3);
@@ -383,13 +383,13 @@ TEST_P(NavigatorTest, OnUnevenGroundTheZmpKeepsFartherInsideWhereItCan) {
     const Answer on_even = run.planning().plan(request);
     request.uneven = true;
     const Answer on_uneven = run.planning().plan(request);
-    const auto* even = std::get_if<Motion>(&on_even.outcome);
-    const auto* uneven = std::get_if<Motion>(&on_uneven.outcome);
+    const auto* even = std::get_if<PlannedMotion>(&on_even.outcome);
+    const auto* uneven = std::get_if<PlannedMotion>(&on_uneven.outcome);
     ASSERT_EQ(even == nullptr, uneven == nullptr) << "nothing is refused for it";
-    if (even == nullptr || room(*even) > 0.8 * wanted) continue;
+    if (even == nullptr || room(*even->motion) > 0.8 * wanted) continue;
     ++tight;
-    as_ever += room(*even) / 30;
-    careful += room(*uneven) / 30;
+    as_ever += room(*even->motion) / 30;
+    careful += room(*uneven->motion) / 30;
   }
   EXPECT_LT(as_ever, 0.6 * wanted);
   EXPECT_GT(careful, 0.95 * wanted);
@@ -404,14 +404,14 @@ TEST_P(NavigatorTest, WhereNoStepCatchesItWhatWasToBeDoneOtherwiseIsDone) {
   EXPECT_TRUE(std::holds_alternative<std::monostate>(run.planning().plan(request).outcome));
   request.otherwise = std::make_shared<const Request>(run.navigator().request_for(push(Part::trunk, 0)));
   const Answer result = run.planning().plan(request);
-  ASSERT_TRUE(std::holds_alternative<Motion>(result.outcome));
+  ASSERT_TRUE(std::holds_alternative<PlannedMotion>(result.outcome));
   EXPECT_EQ(result.command, request.otherwise->command);
   EXPECT_FALSE(result.catches.has_value());
   // If it is to fall else, the other foot steps.
   request.beyond = 0.11 * robot_.profile().stance.com_height;
   const Answer aside = run.planning().plan(request);
   ASSERT_TRUE(aside.catches.has_value());
-  EXPECT_EQ(std::get<Motion>(aside.outcome).goal.swing, Side::right);
+  EXPECT_EQ(std::get<PlannedMotion>(aside.outcome).motion->goal.swing, Side::right);
   // Where one does, it is the answer.
   request.beyond = 0.0;
   request.catches = Vec2(0.2 * robot_.profile().stance.com_height, 0.0);
@@ -462,19 +462,20 @@ TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
       const Answer result = run.planning().plan(*request);
       const Answer discarded = strict.plan(*request);
       const auto* against = std::get_if<Refusal>(&discarded.outcome);
-      const auto* motion = std::get_if<Motion>(&result.outcome);
+      const auto* planned = std::get_if<PlannedMotion>(&result.outcome);
       if (against == nullptr) {
-        ASSERT_EQ(motion != nullptr, std::holds_alternative<Motion>(discarded.outcome));
-        if (motion != nullptr) {
-          ASSERT_FALSE(motion->limit.has_value());
+        ASSERT_EQ(planned != nullptr, std::holds_alternative<PlannedMotion>(discarded.outcome));
+        if (planned != nullptr) {
+          ASSERT_FALSE(planned->limit.has_value());
         }
       } else {
         ++refused;
-        if (motion != nullptr) {
+        if (planned != nullptr) {
           ++shrunk;
-          ASSERT_TRUE(motion->limit.has_value());
-          EXPECT_EQ(motion->limit->reason, against->reason);
-          ASSERT_FALSE(motion->certificate.margins.empty());
+          ASSERT_TRUE(planned->limit.has_value());
+          EXPECT_EQ(planned->limit->reason, against->reason);
+          ASSERT_FALSE(planned->motion.certificate().margins.empty());
+          const VerifiedMotion& motion = planned->motion;
           const Posture& from = request->context.from;
           if (command.guide != Part::trunk && motion->goal.guided == command.guide && command.lift.left == 0.0) {
             const Side side = side_of(command.guide);

@@ -158,9 +158,9 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         // Hardly less slippery than the tangential force as a whole: the soles' vertices cannot give the moment, too.
         c.command = step;
         const Answer planned = plan(c);
-        const auto& motion = std::get<Motion>(planned.outcome);
-        p.duration.first = p.duration.max = motion.duration();
-        for (const Margin& margin : motion.certificate.margins) {
+        const VerifiedMotion& motion = std::get<PlannedMotion>(planned.outcome).motion;
+        p.duration.first = p.duration.max = motion->duration();
+        for (const Margin& margin : motion.certificate().margins) {
           if (margin.quantity == Reason::friction) p.margin.friction = 1.05 * margin.value;
         }
         break;
@@ -208,7 +208,7 @@ TEST_P(RefusalsTest, AFootThatASlipBroughtNearerToAStepThanTheMarginCanLeave) {
     for (const Command& command : {push(Part::left_foot, 0), push(Part::trunk, 0)}) {
       c.command = command;
       const Answer result = plan(c);
-      EXPECT_TRUE(std::holds_alternative<Motion>(result.outcome)) << away;
+      EXPECT_TRUE(std::holds_alternative<PlannedMotion>(result.outcome)) << away;
     }
   }
 }

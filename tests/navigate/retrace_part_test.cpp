@@ -64,25 +64,26 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     const World world = floor_from(x);
     Strategy planning(robot_, world);
     const Answer result = planning.plan(request);
-    const auto* motion = std::get_if<Motion>(&result.outcome);
-    if (motion == nullptr) {
+    const auto* planned = std::get_if<PlannedMotion>(&result.outcome);
+    if (planned == nullptr) {
       EXPECT_EQ(std::get<Refusal>(result.outcome).reason, Reason::ground);
       EXPECT_GT(x, here - 3.0 * stride) << "there were rests on the way";
       continue;
     }
+    const VerifiedMotion& motion = planned->motion;
     EXPECT_TRUE(motion->retraces);
-    Motion copy = *motion;
-    const auto verdict = Verifier(robot_, world).verify(copy, request.context.anchor, Limits::normal(robot_.profile()));
-    EXPECT_TRUE(std::holds_alternative<Certificate>(verdict));
+    const auto verdict =
+        Verifier(robot_, world).verify(*motion, request.context.anchor, Limits::normal(robot_.profile()));
+    EXPECT_TRUE(std::holds_alternative<VerifiedMotion>(verdict));
     EXPECT_TRUE(motion->samples.front().dq.isZero(0.0) && motion->samples.back().dq.isZero(0.0));
     EXPECT_GE(motion->end.com.x(), end_before) << "more floor, and not so far";
     end_before = motion->end.com.x() - 1e-9;
-    if (!motion->limit) {
+    if (!planned->limit) {
       EXPECT_EQ(motion->end.q, request.trail->start.q);
       continue;
     }
     ++parts;
-    EXPECT_EQ(motion->limit->reason, Reason::ground);
+    EXPECT_EQ(planned->limit->reason, Reason::ground);
     EXPECT_TRUE(motion->end.contact.left && motion->end.contact.right);
     EXPECT_LT(motion->end.com.x() - x, 3.0 * stride) << "it could have gone farther";
     // What is left of the way back goes on from there, to the bit.

@@ -20,8 +20,8 @@ class PlannerTest : public testing::TestWithParam<std::string> {
 
 INSTANTIATE_TEST_SUITE_P(Robots, PlannerTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
-double worst(const Motion& motion, Reason quantity) {
-  for (const Margin& margin : motion.certificate.margins) {
+double worst(const VerifiedMotion& motion, Reason quantity) {
+  for (const Margin& margin : motion.certificate().margins) {
     if (margin.quantity == quantity) return margin.value;
   }
   ADD_FAILURE() << "not verified: " << to_string(quantity);
@@ -32,7 +32,8 @@ TEST_P(PlannerTest, TheZmpIsPlannedForTheWholeBody) {
   // The knots are the whole body's ZMP: between the first and the last instant, where accelerations jump, what inverse
   // dynamics finds is what was planned.
   std::vector<double> errors;
-  for (const Motion& motion : test::sample_motions(GetParam())) {
+  for (const VerifiedMotion& verified : test::sample_motions(GetParam())) {
+    const Motion& motion = *verified;
     double error = 0.0;
     for (int k = 2; k < motion.ticks() - 1; ++k) {
       const ComState com = motion.com.at(k * motion.period);
@@ -63,22 +64,22 @@ TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
     if (goals == nullptr) continue;
     PlanResult a = paper.plan(context.from, goals->front(), context.anchor, limits_);
     PlanResult b = search.plan(context.from, goals->front(), context.anchor, limits_);
-    auto* slow = std::get_if<Motion>(&a);
-    auto* quick = std::get_if<Motion>(&b);
+    const auto* slow = std::get_if<PlannedMotion>(&a);
+    const auto* quick = std::get_if<PlannedMotion>(&b);
     if (quick != nullptr) {
-      EXPECT_GE(worst(*quick, Reason::zmp), robot_.profile().margin.zmp_verify);
-      EXPECT_LE(worst(*quick, Reason::joint_torque), robot_.profile().margin.torque);
-      EXPECT_LE(quick->duration(), robot_.profile().duration.max + 1e-9);
+      EXPECT_GE(worst(quick->motion, Reason::zmp), robot_.profile().margin.zmp_verify);
+      EXPECT_LE(worst(quick->motion, Reason::joint_torque), robot_.profile().margin.torque);
+      EXPECT_LE(quick->motion->duration(), robot_.profile().duration.max + 1e-9);
     }
     if (slow == nullptr) continue;
     only_paper += quick == nullptr ? 1 : 0;
     if (quick != nullptr) {
       ++both;
-      longer += quick->duration() > slow->duration() + 1e-9 ? 1 : 0;
-      sum_paper += slow->duration();
-      sum_search += quick->duration();
+      longer += quick->motion->duration() > slow->motion->duration() + 1e-9 ? 1 : 0;
+      sum_paper += slow->motion->duration();
+      sum_search += quick->motion->duration();
     }
-    test::go_on(context, *slow);
+    test::go_on(context, *slow->motion);
   }
   EXPECT_GT(both, 50);
   EXPECT_LE(longer, both / 10);
@@ -103,12 +104,12 @@ TEST_P(PlannerTest, ATorqueIsSeldomRefusedWhereALongerDurationWouldDo) {
       const auto* goals = std::get_if<std::vector<Goal>>(&guided);
       if (goals == nullptr) continue;
       PlanResult a = paper.plan(context.from, goals->front(), context.anchor, weak);
-      if (auto* motion = std::get_if<Motion>(&a)) {
-        test::go_on(context, *motion);
+      if (const auto* planned = std::get_if<PlannedMotion>(&a)) {
+        test::go_on(context, *planned->motion);
       } else if (std::get<Refusal>(a).reason == Reason::joint_torque) {
         ++refused;
         const PlanResult b = search.plan(context.from, goals->front(), context.anchor, weak);
-        found += std::holds_alternative<Motion>(b) ? 1 : 0;
+        found += std::holds_alternative<PlannedMotion>(b) ? 1 : 0;
       }
     }
   }
@@ -130,15 +131,15 @@ TEST_P(PlannerTest, AFootInTheAirThatLandsBesideGoesThereBeforeItSinks) {
     up.lift[side] = 0.5;
     const GuideResult lifted = guide.goals(at_home, up);
     PlanResult lift = planner.plan(at_home.from, std::get<std::vector<Goal>>(lifted).front(), Pose{}, limits_);
-    ASSERT_TRUE(std::holds_alternative<Motion>(lift));
-    const Posture hanging = std::get<Motion>(lift).end;
+    ASSERT_TRUE(std::holds_alternative<PlannedMotion>(lift));
+    const Posture hanging = std::get<PlannedMotion>(lift).motion->end;
     const GuideResult landings = guide.landings({hanging, at_home.anchor, at_home.last_step, at_home.foothold}, side);
     Goal goal = std::get<std::vector<Goal>>(landings).front();
     goal.sole[side].p += size_ * Vec3(0.04 * unit(random), sign_of(side) * 0.01 * (1.0 + unit(random)), 0);
     const Vec3 way = goal.sole[side].p - hanging.sole[side].p;
     PlanResult planned = planner.plan(hanging, goal, Pose{}, limits_);
-    if (way.head<2>().norm() < 0.005 * size_ || !std::holds_alternative<Motion>(planned)) continue;
-    for (const MotionSample& sample : std::get<Motion>(planned).samples) {
+    if (way.head<2>().norm() < 0.005 * size_ || !std::holds_alternative<PlannedMotion>(planned)) continue;
+    for (const MotionSample& sample : std::get<PlannedMotion>(planned).motion->samples) {
       const Vec3 gone = sample.sole[side].p - hanging.sole[side].p;
       if (gone.z() / way.z() > 0.01) {
         EXPECT_GT(gone.head<2>().norm(), 0.6 * way.head<2>().norm());
@@ -153,17 +154,17 @@ TEST_P(PlannerTest, AMotionRunBackwardsHasTheSameMargins) {
   Planner planner(robot_, world_);
   Posture from = stand(robot_, Pose{}, robot_.profile().stance.com_height);
   int checked = 0;
-  for (const Motion& motion : test::sample_motions(GetParam())) {
-    const Trail trail = trail_of(from, motion);
+  for (const VerifiedMotion& motion : test::sample_motions(GetParam())) {
+    const Trail trail = trail_of(from, *motion);
     const PlanResult back = planner.retrace(trail, Pose{}, limits_);
-    ASSERT_TRUE(std::holds_alternative<Motion>(back)) << to_string(std::get<Refusal>(back).reason);
-    const auto& reverse = std::get<Motion>(back);
+    ASSERT_TRUE(std::holds_alternative<PlannedMotion>(back)) << to_string(std::get<Refusal>(back).reason);
+    const VerifiedMotion& reverse = std::get<PlannedMotion>(back).motion;
     for (const Reason quantity : {Reason::zmp, Reason::joint_torque, Reason::joint_speed, Reason::friction})
       EXPECT_NEAR(worst(reverse, quantity), worst(motion, quantity), 1e-6 * (1.0 + std::abs(worst(motion, quantity))));
-    EXPECT_EQ(reverse.end.q, from.q);
-    EXPECT_EQ(reverse.samples.front().q, motion.end.q);
+    EXPECT_EQ(reverse->end.q, from.q);
+    EXPECT_EQ(reverse->samples.front().q, motion->end.q);
     ++checked;
-    from = motion.end;
+    from = motion->end;
   }
   EXPECT_GT(checked, 15);
 }

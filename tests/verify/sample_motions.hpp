@@ -36,9 +36,9 @@ inline void go_on(GuideContext& context, const Motion& motion) {
 }
 
 /// One after the other from the nominal standing posture, each part guided in turn; made once a process.
-inline const std::vector<Motion>& sample_motions(const std::string& name) {
-  static std::map<std::string, std::vector<Motion>> known;
-  std::vector<Motion>& made = known[name];
+inline const std::vector<VerifiedMotion>& sample_motions(const std::string& name) {
+  static std::map<std::string, std::vector<VerifiedMotion>> known;
+  std::vector<VerifiedMotion>& made = known[name];
   if (!made.empty()) return made;
   const RobotModel& robot = test::robot(name);
   const World world = World::load("flat");
@@ -51,10 +51,10 @@ inline const std::vector<Motion>& sample_motions(const std::string& name) {
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);
     if (goals == nullptr) continue;
     PlanResult planned = planner.plan(context.from, goals->front(), context.anchor, Limits::normal(robot.profile()));
-    auto* motion = std::get_if<Motion>(&planned);
-    if (motion == nullptr) continue;
-    go_on(context, *motion);
-    made.push_back(std::move(*motion));
+    const auto* found = std::get_if<PlannedMotion>(&planned);
+    if (found == nullptr) continue;
+    go_on(context, *found->motion);
+    made.push_back(found->motion);
   }
   return made;
 }

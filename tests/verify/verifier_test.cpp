@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iomanip>
 #include <random>
+#include <type_traits>
 
 #include "tests/verify/sample_motions.hpp"
 
@@ -19,9 +20,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 class VerifierTest : public testing::TestWithParam<std::string> {
  protected:
   /// The first sample motion that has a single support.
-  [[nodiscard]] Motion step() const {
-    for (const Motion& motion : motions_) {
-      if (motion.goal.kind == SegmentKind::step) return motion;
+  [[nodiscard]] Motion step() const { return *verified_step(); }
+  [[nodiscard]] VerifiedMotion verified_step() const {
+    for (const VerifiedMotion& motion : motions_) {
+      if (motion->goal.kind == SegmentKind::step) return motion;
     }
     ADD_FAILURE() << "no step among the sample motions";
     return motions_.front();
@@ -44,7 +46,7 @@ class VerifierTest : public testing::TestWithParam<std::string> {
     return refusal_of(std::move(motion), verifier, limits_);
   }
   [[nodiscard]] static Refusal refusal_of(Motion motion, Verifier& verifier, const Limits& limits) {
-    const auto verdict = verifier.verify(motion, Pose{}, limits);
+    const auto verdict = verifier.verify(std::move(motion), Pose{}, limits);
     if (const auto* refusal = std::get_if<Refusal>(&verdict)) return *refusal;
     ADD_FAILURE() << "verified";
     return {};
@@ -55,8 +57,8 @@ class VerifierTest : public testing::TestWithParam<std::string> {
   }
   [[nodiscard]] static Certificate certificate_of(Motion motion, Verifier& verifier, const Limits& limits,
                                                   const Pose& anchor = {}) {
-    const auto verdict = verifier.verify(motion, anchor, limits);
-    if (const auto* certificate = std::get_if<Certificate>(&verdict)) return *certificate;
+    const auto verdict = verifier.verify(std::move(motion), anchor, limits);
+    if (const auto* verified = std::get_if<VerifiedMotion>(&verdict)) return verified->certificate();
     const Refusal& refusal = std::get<Refusal>(verdict);
     ADD_FAILURE() << "refused: " << to_string(refusal.reason) << " " << refusal.value << " " << refusal.limit;
     return {};
@@ -69,7 +71,7 @@ class VerifierTest : public testing::TestWithParam<std::string> {
   const RobotModel& robot_ = test::robot(GetParam());
   const Profile::Margin& margin_ = robot_.profile().margin;
   const Limits limits_ = Limits::normal(robot_.profile());
-  const std::vector<Motion>& motions_ = test::sample_motions(GetParam());
+  const std::vector<VerifiedMotion>& motions_ = test::sample_motions(GetParam());
   const World world_ = World::load("flat");
   Verifier verifier_{robot_, world_};
   const double size_ = robot_.profile().stance.com_height;
@@ -77,28 +79,49 @@ class VerifierTest : public testing::TestWithParam<std::string> {
 
 INSTANTIATE_TEST_SUITE_P(Robots, VerifierTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
+// Nobody but the verifier makes a verified motion, or changes one.
+static_assert(!std::is_default_constructible_v<VerifiedMotion> && !std::is_aggregate_v<VerifiedMotion>);
+static_assert(!std::is_constructible_v<VerifiedMotion, Motion> && !std::is_constructible_v<VerifiedMotion, Motion&>);
+static_assert(!std::is_constructible_v<VerifiedMotion, Motion, Certificate>);
+static_assert(std::is_same_v<decltype(*std::declval<VerifiedMotion&>()), const Motion&>);
+static_assert(std::is_same_v<decltype(std::declval<VerifiedMotion&>().operator->()), const Motion*>);
+static_assert(std::is_same_v<decltype(std::declval<VerifiedMotion&>().certificate()), const Certificate&>);
+static_assert(std::is_nothrow_move_constructible_v<VerifiedMotion> &&
+              std::is_nothrow_move_assignable_v<VerifiedMotion>);
+
+TEST_P(VerifierTest, HandlesOfAVerifiedMotionShareIt) {
+  const VerifiedMotion motion = motions_.front();
+  const VerifiedMotion& copy = motion;
+  EXPECT_EQ(&*copy, &*motions_.front());
+  // A copy of the motion is its own, and has to be verified anew.
+  Motion changed = *motion;
+  changed.samples[1].q[7] += 1.0;
+  EXPECT_NE(changed.samples[1].q, motion->samples[1].q);
+  EXPECT_TRUE(std::holds_alternative<Refusal>(verifier_.verify(std::move(changed), Pose{}, limits_)));
+}
+
 TEST_P(VerifierTest, VerifiesAgainWhatItVerified) {
   ASSERT_GT(motions_.size(), 15u);
-  for (const Motion& motion : motions_) {
-    const Certificate again = certificate_of(motion);
-    ASSERT_EQ(again.margins.size(), motion.certificate.margins.size());
+  for (const VerifiedMotion& motion : motions_) {
+    const Certificate again = certificate_of(*motion);
+    ASSERT_EQ(again.margins.size(), motion.certificate().margins.size());
     for (std::size_t i = 0; i < again.margins.size(); ++i) {
-      EXPECT_EQ(again.margins[i].quantity, motion.certificate.margins[i].quantity);
-      EXPECT_EQ(again.margins[i].value, motion.certificate.margins[i].value);
-      EXPECT_EQ(again.margins[i].t, motion.certificate.margins[i].t);
+      EXPECT_EQ(again.margins[i].quantity, motion.certificate().margins[i].quantity);
+      EXPECT_EQ(again.margins[i].value, motion.certificate().margins[i].value);
+      EXPECT_EQ(again.margins[i].t, motion.certificate().margins[i].t);
       EXPECT_GE(again.margins[i].t, 0.0);
-      EXPECT_LE(again.margins[i].t, motion.duration() + 1e-12);
+      EXPECT_LE(again.margins[i].t, motion->duration() + 1e-12);
     }
   }
 }
 
 TEST_P(VerifierTest, DoesNotMindWhereOnAnEndlessFloorItHappens) {
   const Pose anchor{Vec3(1.5, -0.7, 0.0), rotation_z(2.0)};
-  for (const Motion& motion : motions_) {
-    const Certificate there = certificate_of(motion, anchor);
-    ASSERT_EQ(there.margins.size(), motion.certificate.margins.size());
+  for (const VerifiedMotion& motion : motions_) {
+    const Certificate there = certificate_of(*motion, anchor);
+    ASSERT_EQ(there.margins.size(), motion.certificate().margins.size());
     for (std::size_t i = 0; i < there.margins.size(); ++i) {
-      EXPECT_NEAR(there.margins[i].value, motion.certificate.margins[i].value, 1e-6)
+      EXPECT_NEAR(there.margins[i].value, motion.certificate().margins[i].value, 1e-6)
           << to_string(there.margins[i].quantity);
     }
   }
@@ -217,18 +240,18 @@ TEST_P(VerifierTest, RefusesATrunkThatLeansTooFarUnlessItStraightensUp) {
 
 TEST_P(VerifierTest, RefusesAWrenchThatNoForcesAtTheSolesGive) {
   // Ground hardly less slippery than the tangential force as a whole: the pyramids at the vertices cannot give it.
-  const Motion motion = step();
+  const VerifiedMotion motion = verified_step();
   Limits slippery = limits_;
-  for (const Margin& margin : motion.certificate.margins) {
+  for (const Margin& margin : motion.certificate().margins) {
     if (margin.quantity == Reason::friction) slippery.friction = 1.05 * margin.value;
   }
-  const Refusal refusal = refusal_of(motion, verifier_, slippery);
+  const Refusal refusal = refusal_of(*motion, verifier_, slippery);
   EXPECT_EQ(refusal.reason, Reason::contact_wrench) << to_string(refusal.reason);
   EXPECT_GT(refusal.value, refusal.limit);
 }
 
 TEST_P(VerifierTest, AYawTorqueBeyondTheFrictionOfTheSolesCannotBeHad) {
-  const MotionSample& sample = motions_.front().samples.front();
+  const MotionSample& sample = motions_.front()->samples.front();
   VertexForces forces(robot_, limits_);
   const double weight = robot_.mass() * kGravity;
   double lever = 0.0;
@@ -315,7 +338,7 @@ TEST_P(VerifierTest, TheLessSureThePlaceTheFartherFromEdgesALandingMustBe) {
   for (const double unsure : {0.0, 0.4, 0.6, 1.0}) {
     motion.goal.unsure = unsure * margin_.edge;
     const auto verdict = verifier.verify(motion, Pose{}, limits_);
-    ASSERT_EQ(std::holds_alternative<Certificate>(verdict), unsure < 0.5) << unsure;
+    ASSERT_EQ(std::holds_alternative<VerifiedMotion>(verdict), unsure < 0.5) << unsure;
     if (unsure < 0.5) continue;
     EXPECT_EQ(std::get<Refusal>(verdict).reason, Reason::ground);
   }
@@ -417,7 +440,7 @@ TEST_P(VerifierTest, AFootThatStandsALittleLowerThanTheMapSaysMayLeave) {
   for (double share = -0.9; share < 1.0; share += 0.1) {  // of what a foothold may be off
     Motion motion = step();
     const auto verdict = verifier.verify(motion, {Vec3(0, 0, share * flatness), Mat3::Identity()}, limits_);
-    EXPECT_TRUE(std::holds_alternative<Certificate>(verdict)) << share;
+    EXPECT_TRUE(std::holds_alternative<VerifiedMotion>(verdict)) << share;
   }
   Motion motion = step();
   const auto verdict = verifier.verify(motion, {Vec3(0, 0, -1.5 * flatness), Mat3::Identity()}, limits_);
@@ -491,7 +514,7 @@ TEST_P(VerifierTest, FromTooNearAThingItMayLeaveButNotComeNearer) {
     Verifier verifier(robot_, *world);
     Motion moves = motion;
     const auto verdict = verifier.verify(moves, Pose{}, limits_);
-    ASSERT_EQ(std::holds_alternative<Certificate>(verdict), direction < 0.0);
+    ASSERT_EQ(std::holds_alternative<VerifiedMotion>(verdict), direction < 0.0);
     if (const auto* refusal = std::get_if<Refusal>(&verdict)) {
       EXPECT_EQ(refusal->reason, Reason::obstacle);
     }
@@ -525,7 +548,7 @@ TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {
 
 TEST_P(VerifierTest, MeasuresTheDistanceToAThing) {
   // A crate outside the left hand at known distances: the least distance appears in the certificate.
-  const Motion& motion = motions_.front();
+  const Motion& motion = *motions_.front();
   Kinematics kinematics(robot_);
   for (const double gap : {1.5, 2.0, 3.0}) {
     double outmost = -std::numeric_limits<double>::infinity();
@@ -607,8 +630,8 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
   // With a limit a little beyond the value that the certificate gives, the motion passes; a little short of
   // it, it is refused for that very reason, with that value.
   for (std::size_t i = 0; i < motions_.size(); i += 6) {
-    const Motion& motion = motions_[i];
-    for (const Margin& margin : motion.certificate.margins) {
+    const VerifiedMotion& motion = motions_[i];
+    for (const Margin& margin : motion.certificate().margins) {
       for (const bool strict : {false, true}) {
         Profile profile = robot_.profile();
         Limits limits = limits_;
@@ -640,15 +663,15 @@ TEST_P(VerifierTest, EveryMarginIsWhereALimitWouldBegin) {
         if (margin.quantity == Reason::zmp || margin.quantity == Reason::friction) {
           // Forces at the vertices meet these limits too, and have less room.
           if (!strict) continue;
-          const Reason reason = refusal_of(motion, verifier, limits).reason;
+          const Reason reason = refusal_of(*motion, verifier, limits).reason;
           EXPECT_TRUE(reason == margin.quantity || reason == Reason::contact_wrench) << to_string(reason);
           continue;
         }
         if (!strict) {
-          EXPECT_FALSE(certificate_of(motion, verifier, limits).margins.empty()) << to_string(margin.quantity);
+          EXPECT_FALSE(certificate_of(*motion, verifier, limits).margins.empty()) << to_string(margin.quantity);
           continue;
         }
-        const Refusal refusal = refusal_of(motion, verifier, limits);
+        const Refusal refusal = refusal_of(*motion, verifier, limits);
         EXPECT_EQ(refusal.reason, margin.quantity) << to_string(refusal.reason);
         EXPECT_NEAR(refusal.value, margin.value, 2e-6 * (1.0 + std::abs(margin.value)));
         EXPECT_EQ(refusal.where, margin.where);
@@ -688,7 +711,8 @@ Vec2 zmp_by_momentum(const RobotModel& robot, const MotionSample& sample) {
 
 TEST_P(VerifierTest, TheZmpIsThatOfTheMomentum) {
   int checked = 0;
-  for (const Motion& motion : motions_) {
+  for (const VerifiedMotion& verified : motions_) {
+    const Motion& motion = *verified;
     // The soles lie on the floor: the support polygon is the hull of their corners.
     double worst = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < motion.samples.size(); ++k) {
@@ -710,7 +734,7 @@ TEST_P(VerifierTest, TheZmpIsThatOfTheMomentum) {
       worst = std::min(worst, ConvexPolygon::hull(corners).margin(zmp));
       ++checked;
     }
-    for (const Margin& margin : motion.certificate.margins) {
+    for (const Margin& margin : verified.certificate().margins) {
       if (margin.quantity != Reason::zmp) continue;
       EXPECT_NEAR(margin.value, worst, 2e-5 * size_);
     }
@@ -728,7 +752,7 @@ TEST_P(VerifierTest, TheTorqueIsThatOfInverseDynamicsInTheWholeModel) {
   Kinematics kinematics(robot_);
   JacobianRows jacobian(6, robot_.nv());
   for (std::size_t i = 0; i < motions_.size(); i += 2) {
-    const Motion& motion = motions_[i];
+    const Motion& motion = *motions_[i];
     double worst = 0.0;
     for (const MotionSample& sample : motion.samples) {
       mju_copy(data->qpos, sample.q.data(), model->nq);
@@ -754,7 +778,7 @@ TEST_P(VerifierTest, TheTorqueIsThatOfInverseDynamicsInTheWholeModel) {
         worst = std::max(worst, (std::abs(tau[dof]) + motor.damping * std::abs(sample.dq[dof])) / motor.stall);
       }
     }
-    for (const Margin& margin : motion.certificate.margins) {
+    for (const Margin& margin : motions_[i].certificate().margins) {
       if (margin.quantity != Reason::joint_torque) continue;
       EXPECT_NEAR(margin.value, worst, 1e-6);
     }
