@@ -26,9 +26,13 @@ struct InverseKinematics::Workspace {
   VecX lower, upper;      ///< bounds of dq of the joints (n)
   Square A;
   Column y;
-  eiquadprog::solvers::EiquadprogFast qp;
-  MatX H, CE, CI;
-  VecX g, ce, ci;
+
+  /// The program of a bounded step, in the solver's terms.
+  struct Program {
+    eiquadprog::solvers::EiquadprogFast qp;
+    MatX H, CE, CI;
+    VecX g, ce, ci;
+  } bounded;
 };
 
 InverseKinematics::InverseKinematics(const RobotModel& robot) : InverseKinematics(robot, Parameters{}) {}
@@ -44,17 +48,18 @@ InverseKinematics::InverseKinematics(const RobotModel& robot, Parameters paramet
   w_->dq.setZero(nv);
   w_->lower.setZero(n);
   w_->upper.setZero(n);
-  w_->H.setZero(nv, nv);
-  w_->CE.setZero(0, nv);
-  w_->CI.setZero(2 * n, nv);
+  Workspace::Program& p = w_->bounded;
+  p.H.setZero(nv, nv);
+  p.CE.setZero(0, nv);
+  p.CI.setZero(2 * n, nv);
   for (int j = 0; j < n; ++j) {
-    w_->CI(j, 6 + j) = 1.0;
-    w_->CI(n + j, 6 + j) = -1.0;
+    p.CI(j, 6 + j) = 1.0;
+    p.CI(n + j, 6 + j) = -1.0;
   }
-  w_->g.setZero(nv);
-  w_->ce.setZero(0);
-  w_->ci.setZero(2 * n);
-  w_->qp.reset(nv, 0, 2 * n);
+  p.g.setZero(nv);
+  p.ce.setZero(0);
+  p.ci.setZero(2 * n);
+  p.qp.reset(nv, 0, 2 * n);
 }
 
 InverseKinematics::~InverseKinematics() = default;
@@ -140,6 +145,7 @@ void InverseKinematics::free_step() {
 
 void InverseKinematics::bounded_step() {
   Workspace& w = *w_;
+  Workspace::Program& p = w.bounded;
   const auto J = w.J.topRows(w.rows);
   const int n = static_cast<int>(w.lower.size());
   constexpr double kFixed = 1e6;  // cost of a joint that should go just where dq_ref says
@@ -147,14 +153,14 @@ void InverseKinematics::bounded_step() {
   for (const int i : w.free)
     cost[i] = 1.0;
   const VecX weight = w.R.cwiseInverse();
-  w.H.noalias() = J.transpose() * weight.asDiagonal() * J;
-  w.H.diagonal() += cost;
-  w.g.noalias() = -(J.transpose() * (weight.asDiagonal() * w.e));
-  w.g -= cost.cwiseProduct(w.dq_ref);
-  w.ci.head(n) = -w.lower;
-  w.ci.tail(n) = w.upper;
+  p.H.noalias() = J.transpose() * weight.asDiagonal() * J;
+  p.H.diagonal() += cost;
+  p.g.noalias() = -(J.transpose() * (weight.asDiagonal() * w.e));
+  p.g -= cost.cwiseProduct(w.dq_ref);
+  p.ci.head(n) = -w.lower;
+  p.ci.tail(n) = w.upper;
   VecX x = VecX::Zero(w.dq.size());
-  const auto status = w.qp.solve_quadprog(w.H, w.g, w.CE, w.ce, w.CI, w.ci, x);
+  const auto status = p.qp.solve_quadprog(p.H, p.g, p.CE, p.ce, p.CI, p.ci, x);
   if (status == eiquadprog::solvers::EIQUADPROG_FAST_OPTIMAL && x.allFinite()) {
     w.dq = x;
   } else {
