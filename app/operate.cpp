@@ -59,7 +59,7 @@ int operate(const OperateOptions& o) {
     const auto& refusal = session.navigator().refusal();
     if (refusal && !refused) {
       spdlog::debug("{:6.2f} s: {} refused: {} {} {:.4f}, limit {:.4f}", session.t(), to_string(command.guide),
-                    to_string(refusal->reason), refusal->where, refusal->value, refusal->limit);
+                    to_string(refusal->reason), place(*refusal), refusal->value, refusal->limit);
     }
     refused = refusal.has_value();
     kinematics.set(session.truth().q);

@@ -61,7 +61,8 @@ json refusal(const Refusal& refusal) {
           {"part", to_string(refusal.part)},
           {"value", number(refusal.value)},
           {"limit", number(refusal.limit)},
-          {"where", refusal.where}};
+          {"where", refusal.where},
+          {"cause", refusal.cause ? json(to_string(*refusal.cause)) : json(nullptr)}};
 }
 
 json stuck(const Stuck& stuck) {

@@ -601,8 +601,7 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const auto step = std::find_if(goals.begin(), goals.end(), [](const Goal& g) { return g.kind == SegmentKind::step; });
   if (step != goals.end()) add_nominal(context, *step, goals);
   if (!goals.empty()) return goals;
-  return Refusal{Reason::no_progress, against->part, against->value, against->limit,
-                 std::string(to_string(against->reason))};
+  return refusal_by(Reason::no_progress, *against);
 }
 
 Goal Guide::stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const {

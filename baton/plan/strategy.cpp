@@ -261,8 +261,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   } else {
     against = std::get<Refusal>(landings);
   }
-  return Refusal{Reason::no_landing, against->part, against->value, against->limit,
-                 std::string(to_string(against->reason))};
+  return refusal_by(Reason::no_landing, *against);
 }
 
 }  // namespace baton

@@ -16,7 +16,7 @@ nlohmann::json to_json(const Refusal& refusal) {
           {"part", to_string(refusal.part)},
           {"value", refusal.value},
           {"limit", refusal.limit},
-          {"where", refusal.where}};
+          {"where", place(refusal)}};
 }
 
 nlohmann::json to_json(const std::optional<Refusal>& refusal) {

@@ -17,21 +17,6 @@ constexpr double kRise = 0.3;         ///< height over way, where it leaves the 
 constexpr double kContact = -2e-4;    ///< height at which a sole leaves the ground it stood on, and meets the next [m]
 constexpr double kMarginStep = 0.25;  ///< of the margin to edges, where a foot stands nearer already
 
-/// Whether a quantity is bounded from above (or from below).
-bool has_upper_limit(Reason quantity) {
-  switch (quantity) {
-    case Reason::zmp:
-    case Reason::sole_gap:
-    case Reason::joint_limit:
-    case Reason::self_collision:
-    case Reason::obstacle:
-    case Reason::swing_ground:
-      return false;
-    default:
-      return true;
-  }
-}
-
 bool is_finite(const MotionSample& sample) {
   const auto pose = [](const Pose& x) { return x.p.allFinite() && x.R.allFinite(); };
   return sample.q.allFinite() && sample.dq.allFinite() && sample.ddq.allFinite() && sample.com.allFinite() &&
@@ -51,7 +36,7 @@ std::vector<MotionSample>::const_iterator first_in_the_air(const Motion& motion)
 class Verifier::Ledger {
  public:
   void enter(Reason quantity, Part part, double value, double limit, double t, int subject) {
-    const double slack = has_upper_limit(quantity) ? limit - value : value - limit;
+    const double slack = info(quantity).bound == Bound::at_most ? limit - value : value - limit;
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
     if (slack >= 0.0) return;

@@ -195,6 +195,7 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
   frame_.goal->swing = Side::right;
   frame_.goal->sole.left.p.x() = 0.5;
   frame_.refusal = Refusal{Reason::joint_limit, Part::left_hand, 1.5, 1.4, "elb\xffow"};
+  frame_.refusal->cause = Reason::zmp;
   frame_.refusals = 7;
   frame_.stuck = Stuck{Part::left_foot, 3, true, false};
   frame_.activity = Activity::retracing;
@@ -211,11 +212,13 @@ TEST_F(CockpitTest, TellsAllPagesTheNewestState) {
     EXPECT_EQ(state["goal"]["swing"], "right");
     EXPECT_NEAR(state["goal"]["soles"][0][0][0].get<double>(), 0.5 + robot_.sole(Side::left).vertices()[0].x(), 1e-4);
     EXPECT_EQ(state["refusal"]["reason"], "joint_limit");
+    EXPECT_EQ(state["refusal"]["cause"], "zmp");
     EXPECT_EQ(state["refusals"], 7);
     EXPECT_EQ(state["stuck"], json({{"part", "left_foot"}, {"times", 3}, {"retrace", true}, {"home", false}}));
     EXPECT_EQ(state["state"], "retracing");
     EXPECT_EQ(state["limit"]["reason"], "foot_region");
     EXPECT_EQ(state["limit"]["where"], "forward");
+    EXPECT_TRUE(state["limit"]["cause"].is_null());
     EXPECT_EQ(state["history"], 12);
     EXPECT_EQ(state["recall"], "home");
     EXPECT_EQ(state["support"].size(), 4u);

@@ -35,6 +35,7 @@ export interface Refusal {
   value: Value;
   limit: Value;
   where: string;
+  cause: string | null; // the reason behind it, of which value and limit are then
 }
 
 export interface Goal {

@@ -1,32 +1,12 @@
 /** A refusal in plain words: which part, why, and by how much. */
 import { inWords, type Refusal, type Value } from './protocol';
+import table from './reasons.json';
 
-type Unit = 'length' | 'angle' | 'speed' | 'acceleration' | 'share' | 'ratio' | 'none';
+type Unit = 'length' | 'angle' | 'speed' | 'acceleration' | 'share' | 'number' | 'none';
+type Bound = 'at least' | 'at most' | 'range' | 'none';
 
-const reasons: Record<string, { text: string; unit: Unit; noPart?: true }> = {
-  foot_region: { text: 'the foothold would lie outside its reach', unit: 'length' },
-  foot_yaw: { text: 'the feet would be turned too far from each other', unit: 'angle' },
-  sole_gap: { text: 'the soles would come too close to each other', unit: 'length' },
-  ground: { text: 'there is no flat ground under the whole sole', unit: 'length' },
-  com_height: { text: 'the body is at the end of its height range', unit: 'length' },
-  trunk_inclination: { text: 'the trunk would tilt too far', unit: 'angle' },
-  no_progress: { text: 'no foothold brings the robot nearer to the goal', unit: 'none' },
-  no_landing: { text: 'the lifted foot could not be put down again from there', unit: 'none' },
-  no_history: { text: 'nothing left to retrace', unit: 'none', noPart: true },
-  inclined_sole: { text: 'it stands tilted, as on an edge: it cannot carry the robot alone', unit: 'angle' },
-  zmp: { text: 'the robot would come too near to tipping over an edge of its soles', unit: 'length' },
-  unreachable: { text: 'arms and legs cannot take up that posture', unit: 'ratio' },
-  joint_limit: { text: 'a joint would come too near to the end of its range', unit: 'angle' },
-  joint_speed: { text: 'a joint would have to turn too fast', unit: 'speed' },
-  joint_acceleration: { text: 'a joint would have to jerk', unit: 'acceleration' },
-  joint_torque: { text: 'a motor would have to be too strong', unit: 'share' },
-  friction: { text: 'a foot would slip', unit: 'ratio' },
-  contact_wrench: { text: 'the soles cannot give the force and the turn that it takes', unit: 'ratio' },
-  self_collision: { text: 'two links would come too close to each other', unit: 'length' },
-  obstacle: { text: 'a link would come too close to something in the way', unit: 'length' },
-  swing_ground: { text: 'the foot would touch the ground on its way', unit: 'length' },
-  not_finite: { text: 'the way there cannot be computed', unit: 'none' },
-};
+/** The program's table, baton/motion/reason.hpp, in words; a test of the program compares them. */
+const reasons = table as Record<string, { unit: Unit; bound: Bound; text: string }>;
 
 const rounded = (value: number, digits: number): string => String(Number(value.toFixed(digits)));
 
@@ -47,26 +27,21 @@ function amount(value: number, unit: Unit, scale: number): string {
   }
 }
 
-function numbers(value: Value, limit: Value, unit: Unit): string {
+function numbers(value: Value, limit: Value, unit: Unit, bound: Bound): string {
   if (unit === 'none' || value === null || limit === null || (value === 0 && limit === 0)) return '';
   const scale = Math.max(Math.abs(value), Math.abs(limit));
-  const bound = value > limit ? 'at most' : 'at least';
-  return ` (${amount(value, unit, scale)}, ${bound} ${amount(limit, unit, scale)})`;
+  const side = bound === 'range' ? (value > limit ? 'at most' : 'at least') : bound;
+  return ` (${amount(value, unit, scale)}, ${side} ${amount(limit, unit, scale)})`;
 }
 
 /** "left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)" */
-export function refusalText({ reason, part, value, limit, where }: Refusal): string {
-  const known = reasons[reason] ?? { text: inWords(reason), unit: 'ratio' as Unit };
-  if (known.noPart) return known.text;
-  let { text, unit } = known;
-  const cause = reasons[where]; // what speaks against every foothold
-  if (cause) {
-    text += `: ${cause.text}`;
-    unit = cause.unit;
-  } else if (where !== '' && !part.includes(where)) {
-    text += `, ${inWords(where)}`;
-  }
-  return `${inWords(part)}: ${text}${numbers(value, limit, unit)}`;
+export function refusalText({ reason, part, value, limit, where, cause }: Refusal): string {
+  const known = reasons[reason] ?? { text: inWords(reason), unit: 'number', bound: 'range' };
+  if (reason === 'no_history') return known.text; // it concerns no part
+  const why = (cause && reasons[cause]) || known; // what the numbers are about
+  let text = why === known ? known.text : `${known.text}: ${why.text}`;
+  if (where !== '' && !part.includes(where)) text += `, ${inWords(where)}`;
+  return `${inWords(part)}: ${text}${numbers(value, limit, why.unit, why.bound)}`;
 }
 
 /** Of a motion that goes only a part of the way: what spoke against the whole. */
@@ -85,7 +60,7 @@ export class RefusalLog {
     if (refusal === null || total === this.seen) return false;
     const count = total - this.seen;
     this.seen = total;
-    const key = `${refusal.reason} ${refusal.part} ${refusal.where}`;
+    const key = `${refusal.reason} ${refusal.part} ${refusal.where} ${refusal.cause ?? ''}`;
     const newest = this.entries[0];
     if (newest?.key === key) {
       newest.text = refusalText(refusal);

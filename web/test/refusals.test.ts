@@ -1,6 +1,6 @@
-import { readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
-import type { Refusal } from '../src/protocol';
+import { inWords, type Refusal } from '../src/protocol';
+import table from '../src/reasons.json';
 import { limitText, RefusalLog, refusalText } from '../src/refusals';
 
 const refusal = (reason: string, change: Partial<Refusal> = {}): Refusal => ({
@@ -9,6 +9,7 @@ const refusal = (reason: string, change: Partial<Refusal> = {}): Refusal => ({
   value: 0.12,
   limit: 0.11,
   where: '',
+  cause: null,
   ...change,
 });
 
@@ -26,7 +27,7 @@ test('names the part, the reason and the numbers', () => {
   expect(text('joint_torque', { part: 'trunk', value: 1.2, limit: 0.9, where: 'left_knee' })).toBe(
     'trunk: a motor would have to be too strong, left knee (120 %, at most 90 %)',
   );
-  expect(text('no_progress', { value: 0.004, limit: 0.006, where: 'sole_gap' })).toBe(
+  expect(text('no_progress', { value: 0.004, limit: 0.006, cause: 'sole_gap' })).toBe(
     'left foot: no foothold brings the robot nearer to the goal: ' +
       'the soles would come too close to each other (4 mm, at least 6 mm)',
   );
@@ -41,12 +42,21 @@ test('a limit is the reason why a motion is only a part of the way', () => {
   );
 });
 
-test('has words for every reason that the program knows', () => {
-  const header = readFileSync(new URL('../../baton/motion/refusal.hpp', import.meta.url), 'utf8');
-  const names = /kReasons> names\{([^}]*)\}/.exec(header)![1]!.match(/\w+/g)!;
-  expect(names.length).toBeGreaterThan(10);
-  for (const name of names)
-    expect(refusalText(refusal(name)), name).not.toContain(`: ${name.replaceAll('_', ' ')} (`);
+test('has words, a unit and a bound for every reason', () => {
+  expect(Object.keys(table).length).toBeGreaterThan(10);
+  for (const [name, { unit, bound }] of Object.entries(table)) {
+    const text = refusalText(refusal(name));
+    expect(text, name).not.toContain(`: ${inWords(name)} (`);
+    expect(/\(.*at (most|least).*\)$/.test(text), name).toBe(unit !== 'none');
+    if (bound.startsWith('at')) expect(text, name).toContain(`, ${bound} `);
+  }
+});
+
+test('a value at its limit is held to the bound of its reason', () => {
+  const both = { value: 3, limit: 3 };
+  expect(refusalText(refusal('joint_speed', both))).toContain('(3 rad/s, at most 3 rad/s)');
+  expect(refusalText(refusal('sole_gap', both))).toContain('(3 m, at least 3 m)');
+  expect(refusalText(refusal('foot_region', { value: 2, limit: 3 }))).toContain('(2 m, at least 3 m)');
 });
 
 test('shows a reason that it does not know as it is', () => {
