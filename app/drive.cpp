@@ -11,10 +11,11 @@
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/inputs.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
-#include "app/session.hpp"
 #include "app/view.hpp"
 #include "baton/model/error.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 namespace {

@@ -5,9 +5,11 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
-#include "app/operator.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/input/script.hpp"
+#include "baton/proving/room_operator.hpp"
 
 namespace baton::app {
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "baton/model/error.hpp"
 
 namespace baton::app {
@@ -50,21 +48,8 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
   }
 }
 
-std::string script_line(double t, const Command& command) {
-  const auto number = [](double value) -> std::string {
-    if (std::isnan(value)) return "null";
-    if (std::isinf(value)) return value > 0.0 ? "1e308" : "-1e308";
-    return value == 0.0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
-  };
-  std::string axes;
-  for (const double axis : command.axes)
-    axes += (axes.empty() ? "" : ", ") + number(axis);
-  const char* recall = command.recall == Recall::retrace ? R"(, "retrace": true)"
-                       : command.recall == Recall::home  ? R"(, "home": true)"
-                       : command.recall == Recall::stop  ? R"(, "stop": true)"
-                                                         : "";
-  return fmt::format(R"({{"t": {}, "guide": "{}", "axes": [{}], "lift": [{}, {}]{}}})", number(t),
-                     to_string(command.guide), axes, number(command.lift.left), number(command.lift.right), recall);
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,

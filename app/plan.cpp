@@ -5,11 +5,12 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
-#include "app/session.hpp"
 #include "baton/input/script.hpp"
 #include "baton/record/motion_file.hpp"
 #include "baton/record/plan_json.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 

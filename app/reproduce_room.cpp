@@ -9,12 +9,12 @@
 #include "app/commands.hpp"
 #include "app/outputs.hpp"
 #include "app/reproduce.hpp"
-#include "app/session.hpp"
 #include "baton/input/script.hpp"
 #include "baton/model/contact.hpp"
 #include "baton/model/input_file.hpp"
 #include "baton/record/picture.hpp"
 #include "baton/record/plot.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 namespace {

@@ -6,13 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
+#include "app/commands.hpp"
 #include "app/outputs.hpp"
 #include "app/reproduce.hpp"
-#include "app/session.hpp"
-#include "app/stick.hpp"
 #include "baton/input/script.hpp"
+#include "baton/proving/stick.hpp"
 #include "baton/record/plot.hpp"
 #include "baton/record/report.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 namespace {

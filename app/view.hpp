@@ -4,8 +4,8 @@
 #include <string>
 
 #include "app/refusals.hpp"
-#include "app/session.hpp"
 #include "baton/cockpit/cockpit.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 

@@ -1,8 +1,8 @@
 // The same random sticks for velocity tracking and for baton: which goes bankrupt, after how long, and why.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/run/session.hpp"
 #include "bench/bench.hpp"
 #include "bench/judge.hpp"
 #include "bench/parallel.hpp"
@@ -37,7 +37,7 @@ Verdict run_tracking(const RobotModel& robot, const Posture& start, VelocityTrac
 }
 
 Verdict run_baton(const RobotModel& robot, const World& world, std::uint64_t seed) {
-  app::Session session(robot, world, app::Session::On::ideal);
+  Session session(robot, world, Session::On::ideal);
   Judge judge(robot);
   Verdict verdict;
   session.on_tick = [&](const TickRecord& record) {

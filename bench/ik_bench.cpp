@@ -1,9 +1,9 @@
 // Inverse kinematics on a walk and a reach, as the planner realises them: one solve a tick.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
 #include "baton/ik/inverse_kinematics.hpp"
 #include "baton/plan/segment.hpp"
+#include "baton/run/session.hpp"
 #include "bench/bench.hpp"
 
 namespace baton::bench {
@@ -11,7 +11,7 @@ namespace baton::bench {
 Rows bench_ik(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
-  app::Session session(robot, world, app::Session::On::ideal);
+  Session session(robot, world, Session::On::ideal);
   struct Recorded {
     Posture from;
     Motion motion;

@@ -1,7 +1,7 @@
 // Whole runs: a tick of the navigator, a whole planning request, and physics with control against real time.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
+#include "baton/run/session.hpp"
 #include "bench/bench.hpp"
 
 namespace baton::bench {
@@ -9,7 +9,7 @@ namespace baton::bench {
 Rows bench_run(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("room");
-  app::Session session(robot, world, app::Session::On::sim);
+  Session session(robot, world, Session::On::sim);
   Row tick{"navigate: a tick", {}, ""};
   Row plan{"plan: a committed segment, verified whole", {}, "guide, durations, ik and verification at every tick"};
   session.on_tick = [&](const TickRecord& record) { tick.values.push_back(record.tick_us); };

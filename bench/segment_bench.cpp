@@ -2,7 +2,7 @@
 // verified, by both rules for its duration. The segments are those of random sticks on `ideal`.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
+#include "baton/run/session.hpp"
 #include "bench/bench.hpp"
 #include "bench/scripts.hpp"
 
@@ -21,7 +21,7 @@ Rows bench_segment(const Options& /*unused*/) {
     double tried = 0.0;
     constexpr int kScripts = 4;
     for (std::uint64_t seed = 1; seed <= kScripts; ++seed) {
-      app::Session session(robot, world, app::Session::On::ideal, std::nullopt, {}, Modes{rule, OnLimit::shrink});
+      Session session(robot, world, Session::On::ideal, std::nullopt, {}, Modes{rule, OnLimit::shrink});
       session.on_plan = [&](const PlanRecord& record) {
         const auto* motion = std::get_if<Motion>(&record.result.outcome);
         if (motion == nullptr) return;

@@ -5,10 +5,10 @@
 #include <limits>
 #include <optional>
 
-#include "app/session.hpp"
 #include "baton/cockpit/page_device.hpp"
 #include "baton/input/joystick.hpp"
 #include "baton/model/world.hpp"
+#include "baton/run/session.hpp"
 #include "tests/input/virtual_joystick.hpp"
 #include "tests/support/robots.hpp"
 
@@ -48,7 +48,7 @@ class NoSignal : public testing::Test {
   }
 
   World world_ = World::load("flat");
-  app::Session session_{test::robot("mighty"), world_, app::Session::On::ideal};
+  Session session_{test::robot("mighty"), world_, Session::On::ideal};
 };
 
 TEST_F(NoSignal, AJoystickPulledOut) {

@@ -6,9 +6,9 @@
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/input/script.hpp"
+#include "baton/run/session.hpp"
 #include "tests/support/scratch.hpp"
 
 namespace baton {
@@ -130,7 +130,7 @@ class RecallInPhysics : public testing::Test {
 
   const RobotModel robot_ = RobotModel::load("mighty");
   const World world_;
-  app::Session session_{robot_, world_, app::Session::On::sim};
+  Session session_{robot_, world_, Session::On::sim};
   const Navigator& navigator_ = session_.navigator();
   long motions_ = 0;
   int ways_ = 0;           ///< motions back, with halts
@@ -171,7 +171,7 @@ TEST_F(RecallInPhysics, FarFromTheOriginATurnIsNoSlip) {
   // In 30 m of walking 120 slips were told of, once, and ways back lost.
   VecX q = session_.truth().q;
   q[0] += 30.0;
-  app::Session far(robot_, world_, app::Session::On::sim, posture_of(robot_, q));
+  Session far(robot_, world_, Session::On::sim, posture_of(robot_, q));
   Command ahead;
   ahead.axes << 1, 0, 0, 0, 0, 0.3;
   while (far.t() < 15.0)
@@ -197,7 +197,7 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
   const auto walk = [&](const Plant& plant) {
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant;
-    app::Session session(robot, world, app::Session::On::sim, std::nullopt, parameters);
+    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
     const Navigator& navigator = session.navigator();
     bool goes_back = false;
     bool halted = false;
@@ -357,7 +357,7 @@ TEST(Recall, AScriptThatIsWrittenIsReadTheSame) {
   for (const Recall recall : {Recall::none, Recall::retrace, Recall::home}) {
     Command command;
     command.recall = recall;
-    text += app::script_line(static_cast<double>(recall), command) + "\n";
+    text += script_line(static_cast<double>(recall), command) + "\n";
   }
   Script script = Script::parse(text, "written");
   for (const Recall recall : {Recall::none, Recall::retrace, Recall::home})

@@ -6,9 +6,10 @@
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
-#include "app/planning_thread.hpp"
-#include "app/stick.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/input/script.hpp"
+#include "baton/proving/stick.hpp"
+#include "baton/run/planning_thread.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -83,9 +84,9 @@ TEST_F(Replay, AlsoOfARunThatIsPushedAndWhoseAnswersComeLateOrNever) {
       for (const bool spoilt : {false, true}) {
         SCOPED_TRACE(testing::Message() << scenario << ' ' << seed << ' ' << spoilt);
         std::string script;
-        app::Stick stick(std::stoul(seed), 0.005);
+        Stick stick(std::stoul(seed), 0.005);
         for (int k = 0; k < 1600; ++k)
-          script += app::script_line(0.005 * k, stick.next()) + '\n';
+          script += script_line(0.005 * k, stick.next()) + '\n';
         const std::string report = scratch_.path("r.json");
         std::vector<std::string> args{
             "drive",  "--world",   "flat",     "--input",    "script:" + scratch_.write("wild.jsonl", script),
@@ -203,13 +204,13 @@ TEST(PlanningThread, AnswersAsPlanningDoes) {
   request.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
   request.context.foothold = request.context.from.sole;
   request.start = request.context.from;
-  app::PlanningThread thread(robot, world, {});
+  PlanningThread thread(robot, world, {});
   for (const double x : {1.0, -0.5, 0.0, 0.3}) {
     request.command.axes[0] = x;
     ASSERT_TRUE(thread.idle());
     EXPECT_FALSE(thread.poll().has_value());
     thread.post(request);
-    std::optional<app::PlanningThread::Reply> answer;
+    std::optional<PlanningThread::Reply> answer;
     while (!(answer = thread.poll()))
       std::this_thread::yield();
     const Answer expected = planning.plan(request);

@@ -33,7 +33,7 @@ class ViewTest : public testing::Test {
 
   using Seen = std::set<Activity>;
   const World world_ = World::load("flat");
-  app::Session session_{test::robot("mighty"), world_, app::Session::On::ideal};
+  Session session_{test::robot("mighty"), world_, Session::On::ideal};
   app::View view_{session_, 0};
   app::Refusals refusals_;
 };

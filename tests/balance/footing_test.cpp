@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/scenario.hpp"
-#include "app/session.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/run/session.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
@@ -110,7 +110,7 @@ class FootingTest : public testing::TestWithParam<std::string> {
   }
 
   const RobotModel& robot_ = test::robot(GetParam());
-  const RobotModel stiff_ = app::with_drive(robot_, Drive::stiff);
+  const RobotModel stiff_ = with_drive(robot_, Drive::stiff);
   const double size_ = robot_.profile().stance.com_height;
   const double weight_ = robot_.mass() * kGravity;
   const int n_ = robot_.nv() - 6;
@@ -424,12 +424,12 @@ TEST_P(FootingTest, LegsThatPressAgainstEachOtherGiveWay) {
 TEST(Footing, FeetThatStandDoNotCreepApartUnderAWrongMass) {  // 25 mm in two minutes, once
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
-  const app::Scenario& creep = app::scenario_named("creep");
+  const Scenario& creep = scenario_named("creep");
   for (const std::uint64_t seed : {0u, 1u}) {
     SimulatedRobot::Parameters parameters;
-    parameters.plant = app::plant_of(creep, robot, seed);
-    app::Session session(robot, world, app::Session::On::sim, std::nullopt, parameters);
-    const auto stick = app::stick_of(creep, robot, seed);
+    parameters.plant = plant_of(creep, robot, seed);
+    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
+    const auto stick = stick_of(creep, robot, seed);
     Kinematics kinematics(robot);
     Pose before;
     while (session.t() < 40.0) {

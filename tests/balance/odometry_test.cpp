@@ -6,18 +6,17 @@
 #include <algorithm>
 #include <map>
 
-#include "app/session.hpp"
 #include "baton/balance/state.hpp"
 #include "baton/ik/inverse_kinematics.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
 #include "baton/robot/ideal_robot.hpp"
+#include "baton/run/session.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-using app::Session;
 using testing::HasSubstr;
 
 class Random {

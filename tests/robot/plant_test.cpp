@@ -5,16 +5,16 @@
 
 #include <algorithm>
 
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/scenario.hpp"
 #include "baton/robot/simulated_robot.hpp"
+#include "baton/run/session.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-using app::Session;
 using testing::HasSubstr;
 
 constexpr double kStep = 0.001;  ///< of physics [s]
@@ -425,9 +425,9 @@ TEST_P(PlantTest, ServosAreAsStiffAsTheyAre) {
 }
 
 TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
-  const RobotModel torque = app::with_drive(robot_, Drive::torque);
-  const RobotModel pd = app::with_drive(robot_, Drive::pd);
-  const RobotModel stiff = app::with_drive(robot_, Drive::stiff);
+  const RobotModel torque = with_drive(robot_, Drive::torque);
+  const RobotModel pd = with_drive(robot_, Drive::pd);
+  const RobotModel stiff = with_drive(robot_, Drive::stiff);
   for (int trial = 0; trial < 3; ++trial) {
     const JointTarget target = near_home();
     JointTarget untold = target;
@@ -452,7 +452,7 @@ TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
     const VecX firm = first_torques(stiff, {}, still);
     const VecX usual = first_torques(pd, {}, still);
     for (int j = 0; j < n_; ++j)
-      EXPECT_NEAR(firm[j], app::kStiff * usual[j], 1e-9 * stall(j)) << name_of_joint(j);
+      EXPECT_NEAR(firm[j], kStiff * usual[j], 1e-9 * stall(j)) << name_of_joint(j);
   }
 }
 

@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
+#include "baton/run/session.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
@@ -77,7 +77,7 @@ class SimulatedRobotTest : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Robots, SimulatedRobotTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
 TEST_P(SimulatedRobotTest, IsHeldByNothingButTheGround) {
-  app::Session session(robot_, world_, app::Session::On::sim);
+  Session session(robot_, world_, Session::On::sim);
   const SimulatedRobot& body = *session.simulated();
   const mjModel& m = body.model();
   EXPECT_EQ(m.neq, 0);
@@ -172,7 +172,7 @@ TEST_P(SimulatedRobotTest, AsksNoMoreOfAMotorThanItCan) {
 }
 
 TEST_P(SimulatedRobotTest, StandsWithTheZmpBelowTheCom) {
-  app::Session session(robot_, world_, app::Session::On::sim);
+  Session session(robot_, world_, Session::On::sim);
   while (session.t() < 2.0) {
     session.step({});
     if (session.t() < 0.3) continue;
@@ -186,7 +186,7 @@ TEST_P(SimulatedRobotTest, StandsWithTheZmpBelowTheCom) {
 
 TEST_P(SimulatedRobotTest, AHardPushMakesAFallThatIsNoticedAndStays) {
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.7, -0.7, 0)}) {
-    app::Session session(robot_, world_, app::Session::On::sim);
+    Session session(robot_, world_, Session::On::sim);
     while (session.t() < 0.5)
       session.step({});
     ASSERT_FALSE(session.fallen());
@@ -219,7 +219,7 @@ TEST_P(SimulatedRobotTest, AHardPushMakesAFallThatIsNoticedAndStays) {
 
 TEST_P(SimulatedRobotTest, ALightPushDoesNot) {
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, -1, 0)}) {
-    app::Session session(robot_, world_, app::Session::On::sim);
+    Session session(robot_, world_, Session::On::sim);
     while (session.t() < 0.5)
       session.step({});
     session.simulated()->push(robot_.mass() * 0.03 * std::sqrt(kGravity * size_) * direction);
@@ -281,7 +281,7 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
   const auto run = [&](const Plant& plant) {
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant;
-    app::Session session(robot_, world_, app::Session::On::sim, std::nullopt, parameters);
+    Session session(robot_, world_, Session::On::sim, std::nullopt, parameters);
     Recording result;
     session.on_tick = [&](const TickRecord& record) {
       if (session.t() < 1.0) return;
@@ -338,7 +338,7 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
 
 TEST_P(SimulatedRobotTest, SimulatesTheSameBitByBit) {
   const auto run = [&] {
-    app::Session session(robot_, world_, app::Session::On::sim);
+    Session session(robot_, world_, Session::On::sim);
     Stick stick(43);
     while (session.t() < 2.0)
       session.step(stick.at(session.t()));

@@ -5,16 +5,16 @@
 #include <atomic>
 #include <functional>
 
-#include "app/checker.hpp"
-#include "app/scenario.hpp"
-#include "app/session.hpp"
-#include "app/stick.hpp"
-#include "app/tally.hpp"
+#include "baton/proving/checker.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/proving/stick.hpp"
+#include "baton/proving/tally.hpp"
+#include "baton/run/session.hpp"
 
-namespace baton::app {
+namespace baton {
 
 /// What the episodes of a run have in common.
-struct Course {
+struct Trial {
   Session::On on = Session::On::ideal;
   Modes modes{};
   StateSource state = StateSource::sensors;
@@ -22,7 +22,7 @@ struct Course {
   double seconds = 120.0;              ///< each is that long, and then until the robot rests, and a few motions back
   const Scenario* scenario = nullptr;  ///< in physics: no way back then, but a plant for each
   double times = 1.0;                  ///< factor on how far that is from the model
-  AnswerOptions answers{};             ///< what goes wrong with them, by the seed of each episode
+  AnswerFaults answers{};              ///< what goes wrong with them, by the seed of each episode instead of its own
 };
 
 struct EpisodeResult {
@@ -36,8 +36,8 @@ struct EpisodeResult {
 class Episodes {
  public:
   /// Robot and world must outlive the object.
-  Episodes(const RobotModel& robot, const World& world, const Course& course)
-      : robot_(&robot), world_(&world), course_(course) {}
+  Episodes(const RobotModel& robot, const World& world, const Trial& trial)
+      : robot_(&robot), world_(&world), trial_(trial) {}
 
   /// Drives one; for any number of threads at a time. Everything that goes wrong is in the result.
   /// @param stop ends it at the next tick; the result is of no use then
@@ -53,11 +53,11 @@ class Episodes {
 
   const RobotModel* robot_;
   const World* world_;
-  Course course_;
+  Trial trial_;
 };
 
 /// Whether no command at all, of many different ones and the way back, has a motion from there.
 /// @param request from where the robot rests; its command does not matter
 [[nodiscard]] bool stuck(Strategy& planning, Request request);
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,79 +1,18 @@
-#include "app/session.hpp"
-
-#include <fmt/format.h>
+#include "baton/run/session.hpp"
 
 #include <cmath>
 #include <ctime>
 #include <utility>
 
-#include "app/scenario.hpp"
 #include "baton/ik/stand.hpp"
-#include "baton/model/error.hpp"
 #include "baton/robot/ideal_robot.hpp"
 
-namespace baton::app {
-
-Modes modes_of(const ModeOptions& o) {
-  return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
-          o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink, o.gait == "flow" ? Gait::flow : Gait::stop};
-}
-
-RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive) {
-  RobotModel robot = RobotModel::load(name_or_file);
-  return drive ? with_drive(robot, drive_named(*drive, "--drive")) : std::move(robot);
-}
-
-RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file) {
-  RobotModel robot = load_robot(name_or_file, options.drive);
-  if (!options.scenario) return robot;
-  const Drive drive = drive_of(scenario_named(*options.scenario), robot);
-  return drive == robot.profile().drive ? std::move(robot) : with_drive(robot, drive);
-}
-
-SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
-                                         long seed) {
-  if (options.scenario && on != "sim")
-    throw InputError(
-        fmt::format("--scenario {} with --on {}: must be --on sim, there is physics", *options.scenario, on));
-  if (!options.scenario && options.times != 1.0)
-    throw InputError(fmt::format("--times {} without --scenario: there is nothing to be farther from", options.times));
-  SimulatedRobot::Parameters parameters;
-  if (options.scenario) {
-    parameters.plant =
-        plant_of(scenario_named(*options.scenario), robot, static_cast<std::uint64_t>(seed), options.times);
-  }
-  return parameters;
-}
-
-AnswerFaults faults_of(const AnswerOptions& options, std::uint64_t seed) {
-  return {1e-3 * options.delay_ms, options.loss, seed};
-}
-
-RobotModel with_drive(const RobotModel& robot, Drive drive) {
-  Profile profile = robot.profile();
-  if (drive == Drive::stiff && profile.drive != Drive::stiff) {
-    for (auto& [name, gains] : profile.gains)
-      gains.kp *= kStiff;
-  }
-  profile.drive = drive;
-  return RobotModel(std::move(profile));
-}
-
-StateSource state_named(const std::string& name) {
-  for (const StateSource source : {StateSource::sensors, StateSource::torques, StateSource::perfect}) {
-    if (name == to_string(source)) return source;
-  }
-  throw InputError(fmt::format("--state {}: should be sensors, torques or perfect", name));
-}
+namespace baton {
 
 double cpu_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 Session::Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start,
@@ -151,4 +90,4 @@ void Session::post(Request request) {
   ready_ = {std::move(request), std::move(result), cpu_us() - asked};
 }
 
-}  // namespace baton::app
+}  // namespace baton

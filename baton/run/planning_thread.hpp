@@ -9,7 +9,7 @@
 #include "baton/navigate/navigator.hpp"
 #include "baton/plan/strategy.hpp"
 
-namespace baton::app {
+namespace baton {
 
 class PlanningThread {
  public:
@@ -47,4 +47,4 @@ class PlanningThread {
   std::thread thread_;
 };
 
-}  // namespace baton::app
+}  // namespace baton

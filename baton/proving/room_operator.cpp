@@ -1,9 +1,9 @@
-#include "app/operator.hpp"
+#include "baton/proving/room_operator.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kCrouch = 0.245 / 0.26;  ///< share of the nominal COM height on the steps
@@ -358,4 +358,4 @@ std::optional<Command> RoomOperator::reach(const Sight& sight) const {
   return command;
 }
 
-}  // namespace baton::app
+}  // namespace baton

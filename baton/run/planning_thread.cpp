@@ -1,10 +1,10 @@
-#include "app/planning_thread.hpp"
+#include "baton/run/planning_thread.hpp"
 
 #include <utility>
 
-#include "app/session.hpp"
+#include "baton/run/session.hpp"
 
-namespace baton::app {
+namespace baton {
 
 PlanningThread::PlanningThread(const RobotModel& robot, const World& world, Modes modes)
     : planning_(robot, world, modes), thread_([this] { run(); }) {}
@@ -53,4 +53,4 @@ void PlanningThread::run() {
   }
 }
 
-}  // namespace baton::app
+}  // namespace baton

@@ -3,38 +3,14 @@
 #pragma once
 
 #include <array>
-#include <cmath>
-#include <cstdint>
 #include <functional>
-#include <random>
 #include <string>
 #include <string_view>
 
 #include "baton/guide/command.hpp"
+#include "baton/proving/dice.hpp"
 
-namespace baton::app {
-
-/// Seed of one of many streams: well mixed, so that neighbours have nothing in common.
-[[nodiscard]] std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream);
-
-/// Integers at random, and all else from them by arithmetic that is exact.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  /// 0 … n − 1.
-  [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-  /// lo … hi.
-  [[nodiscard]] int between(int lo, int hi) { return lo + below(hi - lo + 1); }
-  [[nodiscard]] bool percent(int chance) { return below(100) < chance; }
-  [[nodiscard]] double sign() { return percent(50) ? 1.0 : -1.0; }
-  /// 0 … 1, a multiple of 2⁻⁵³, without 1.
-  [[nodiscard]] double share() { return std::ldexp(static_cast<double>(engine_() >> 11), -53); }
-  /// −1 … 1, a multiple of 1/1024.
-  [[nodiscard]] double axis() { return (below(2049) - 1024) / 1024.0; }
-
- private:
-  std::mt19937_64 engine_;
-};
+namespace baton {
 
 class Stick {
  public:
@@ -96,4 +72,4 @@ class Stick {
 /// the stick let go.
 [[nodiscard]] std::string stick_script(const std::function<Command()>& stick, double period, long ticks);
 
-}  // namespace baton::app
+}  // namespace baton

@@ -9,7 +9,7 @@
 #include "baton/guide/command.hpp"
 #include "baton/robot/plant.hpp"
 
-namespace baton::app {
+namespace baton {
 
 /// What goes on at the stick meanwhile.
 enum class Driving {
@@ -39,7 +39,11 @@ struct Scenario {
 /// The stick of such an episode, tick by tick.
 [[nodiscard]] std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
+/// The robot with another kind of drive. A stiff drive in the place of another has servos kStiff times as firm.
+[[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
+inline constexpr double kStiff = 8.0;
+
 /// The drive that the robot has there.
 [[nodiscard]] Drive drive_of(const Scenario& scenario, const RobotModel& robot);
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,4 +1,4 @@
-#include "app/checker.hpp"
+#include "baton/proving/checker.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,11 +6,11 @@
 #include <functional>
 #include <set>
 
-#include "app/session.hpp"
 #include "baton/input/script.hpp"
+#include "baton/run/session.hpp"
 #include "tests/support/robots.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 using Kind = Checker::Kind;
@@ -301,12 +301,12 @@ TEST_P(CheckerTest, WhatIsBelievedLaterOfWhereASoleWasPutDownIsNotItsFault) {
 }
 
 TEST(Checker, SharesNoCodeWithWhatItJudges) {
-  for (const char* file : {"/app/checker.hpp", "/app/checker.cpp"}) {
+  for (const char* file : {"/baton/proving/checker.hpp", "/baton/proving/checker.cpp"}) {
     std::ifstream in(std::string(BATON_SOURCE_DIR) + file);
     ASSERT_TRUE(in);
     for (std::string line; std::getline(in, line);) {
       if (!line.starts_with("#include \"")) continue;
-      EXPECT_TRUE(line.find("baton/model/") != std::string::npos || line.find("app/checker") != std::string::npos)
+      EXPECT_TRUE(line.find("baton/model/") != std::string::npos || line.find("proving/checker") != std::string::npos)
           << line;
       EXPECT_EQ(line.find("contact"), std::string::npos) << line;
       EXPECT_EQ(line.find("kinematics"), std::string::npos) << line;
@@ -315,4 +315,4 @@ TEST(Checker, SharesNoCodeWithWhatItJudges) {
 }
 
 }  // namespace
-}  // namespace baton::app
+}  // namespace baton

@@ -1,4 +1,4 @@
-#include "app/checker.hpp"
+#include "baton/proving/checker.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "baton/model/error.hpp"
 #include "baton/model/world.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -353,4 +353,4 @@ void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& spe
   }
 }
 
-}  // namespace baton::app
+}  // namespace baton

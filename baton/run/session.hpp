@@ -1,22 +1,19 @@
 /// One run: robot, world, navigator, planner and a device, tick by tick.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "app/commands.hpp"
-#include "app/planning_thread.hpp"
-#include "app/stick.hpp"
 #include "baton/input/device.hpp"
 #include "baton/navigate/navigator.hpp"
 #include "baton/plan/strategy.hpp"
+#include "baton/proving/dice.hpp"
 #include "baton/record/recording.hpp"
-#include "baton/record/tick_record.hpp"
 #include "baton/robot/simulated_robot.hpp"
+#include "baton/run/planning_thread.hpp"
 
-namespace baton::app {
+namespace baton {
 
 /// What goes wrong with the planner's answers on their way to the navigator.
 struct AnswerFaults {
@@ -27,33 +24,8 @@ struct AnswerFaults {
   [[nodiscard]] bool any() const { return delay > 0.0 || loss > 0.0; }
 };
 
-/// The modes that options name.
-[[nodiscard]] Modes modes_of(const ModeOptions& options);
-
-/// The robot, with another kind of drive than its profile's if one is named. A stiff drive put in the place of another
-/// has servos so much firmer: kStiff.
-/// @throws InputError no such robot or drive
-[[nodiscard]] RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive);
-/// The robot with the drive that options or their scenario name.
-[[nodiscard]] RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file);
-/// The plant that options name.
-/// @param on sim or ideal
-/// @throws InputError a scenario where there is no physics, or no such scenario
-[[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
-                                                       const std::string& on, long seed);
-/// The faults of answers that options name.
-[[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options, std::uint64_t seed);
-[[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
-inline constexpr double kStiff = 8.0;
-
-/// @throws InputError no such state
-[[nodiscard]] StateSource state_named(const std::string& name);
-
 /// Thread CPU time [µs].
 [[nodiscard]] double cpu_us();
-
-/// By the clock on the wall [s].
-[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
 class Session {
  public:
@@ -117,4 +89,4 @@ class Session {
   long ticks_ = 0;
 };
 
-}  // namespace baton::app
+}  // namespace baton

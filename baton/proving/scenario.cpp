@@ -1,4 +1,4 @@
-#include "app/scenario.hpp"
+#include "baton/proving/scenario.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "app/stick.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/stick.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
@@ -174,8 +174,18 @@ std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& ro
   return {};
 }
 
+RobotModel with_drive(const RobotModel& robot, Drive drive) {
+  Profile profile = robot.profile();
+  if (drive == Drive::stiff && profile.drive != Drive::stiff) {
+    for (auto& [name, gains] : profile.gains)
+      gains.kp *= kStiff;
+  }
+  profile.drive = drive;
+  return RobotModel(std::move(profile));
+}
+
 Drive drive_of(const Scenario& scenario, const RobotModel& robot) {
   return scenario.name.starts_with("stiff") ? Drive::stiff : robot.profile().drive;
 }
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,15 +1,15 @@
-#include "app/episode.hpp"
+#include "baton/proving/episode.hpp"
 
 #include <cmath>
 #include <deque>
 #include <set>
 #include <utility>
 
-#include "app/outputs.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/input/script.hpp"
 #include "baton/record/report.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kComesToRest = 20.0;  ///< [s] within which a robot that is let go has to rest
@@ -21,32 +21,34 @@ constexpr double kSameTurn = 0.02;     ///< [rad]
 
 /// In physics soles sink, and the planning frame is laid on where they are believed to be: as near to the known ground
 /// as its unevenness lets be told.
-Checker::Tolerances tolerances(const RobotModel& robot, const Course& course) {
+Checker::Tolerances tolerances(const RobotModel& robot, const Trial& trial) {
   Checker::Tolerances tolerances;
-  if (course.on == Session::On::sim) tolerances.sink = robot.profile().ground.flatness;
+  if (trial.on == Session::On::sim) tolerances.sink = robot.profile().ground.flatness;
   return tolerances;
 }
 
-SimulatedRobot::Parameters parameters(const RobotModel& robot, const Course& course, long index) {
+SimulatedRobot::Parameters parameters(const RobotModel& robot, const Trial& trial, long index) {
   SimulatedRobot::Parameters parameters;
-  const std::uint64_t seed = course.seed + static_cast<std::uint64_t>(index);
-  if (course.scenario != nullptr) parameters.plant = plant_of(*course.scenario, robot, seed, course.times);
+  const std::uint64_t seed = trial.seed + static_cast<std::uint64_t>(index);
+  if (trial.scenario != nullptr) parameters.plant = plant_of(*trial.scenario, robot, seed, trial.times);
   return parameters;
 }
 
 /// One episode while it runs.
 class Run {
  public:
-  Run(const RobotModel& robot, const World& world, const Course& course, long index)
+  Run(const RobotModel& robot, const World& world, const Trial& trial, long index)
       : robot_(robot),
-        on_(course.on),
+        on_(trial.on),
         index_(index),
-        session_(robot, world, course.on, std::nullopt, parameters(robot, course, index), course.modes, course.state),
+        session_(robot, world, trial.on, std::nullopt, parameters(robot, trial, index), trial.modes, trial.state),
         report_(robot),
-        stuck_planning_(robot, world, {course.modes.duration, OnLimit::discard}) {
-    session_.spoil_answers(faults_of(course.answers, course.seed + static_cast<std::uint64_t>(index)));
+        stuck_planning_(robot, world, {trial.modes.duration, OnLimit::discard}) {
+    AnswerFaults faults = trial.answers;
+    faults.seed = trial.seed + static_cast<std::uint64_t>(index);
+    session_.spoil_answers(faults);
     // In a scenario it is falls that count: the ground is not as planned.
-    if (course.scenario == nullptr) checker_.emplace(robot, session_.model_text(), tolerances(robot, course));
+    if (trial.scenario == nullptr) checker_.emplace(robot, session_.model_text(), tolerances(robot, trial));
     session_.on_tick = [this](const TickRecord& record) { judge(record); };
     session_.on_plan = [this](const PlanRecord& record) {
       report_.add(record);
@@ -263,19 +265,19 @@ class Run {
 }  // namespace
 
 long Episodes::ticks() const {
-  return std::max(1L, std::lround(course_.seconds / robot_->profile().tick.period));
+  return std::max(1L, std::lround(trial_.seconds / robot_->profile().tick.period));
 }
 
 std::function<Command()> Episodes::stick(long index) const {
   static const Scenario random{};
-  return stick_of(course_.scenario == nullptr ? random : *course_.scenario, *robot_,
-                  mixed_seed(course_.seed, static_cast<std::uint64_t>(index)));
+  return stick_of(trial_.scenario == nullptr ? random : *trial_.scenario, *robot_,
+                  mixed_seed(trial_.seed, static_cast<std::uint64_t>(index)));
 }
 
 EpisodeResult Episodes::run(long index, const std::atomic<bool>& stop) const {
-  Run run(*robot_, *world_, course_, index);
+  Run run(*robot_, *world_, trial_, index);
   try {
-    run.drive(stick(index), ticks(), course_.scenario == nullptr, stop);
+    run.drive(stick(index), ticks(), trial_.scenario == nullptr, stop);
   } catch (const std::exception& error) {
     run.fail("exception", run.t(), 0.0, 0.0, error.what());
   }
@@ -312,4 +314,4 @@ bool stuck(Strategy& planning, Request request) {
   return !goes(command);
 }
 
-}  // namespace baton::app
+}  // namespace baton

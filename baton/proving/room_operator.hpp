@@ -8,9 +8,9 @@
 #include <random>
 #include <string>
 
-#include "app/session.hpp"
+#include "baton/run/session.hpp"
 
-namespace baton::app {
+namespace baton {
 
 class RoomOperator {
  public:
@@ -101,4 +101,4 @@ class RoomOperator {
   BySide<Vec2> landing_{Vec2::Zero(), Vec2::Zero()};  ///< where a lifted foot is to land
 };
 
-}  // namespace baton::app
+}  // namespace baton

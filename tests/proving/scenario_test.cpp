@@ -1,23 +1,16 @@
-// Physics that is not the model, and the table of what the robot survives.
-#include "app/scenario.hpp"
+// Physics that is not the model.
+#include "baton/proving/scenario.hpp"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <set>
 
-#include "app/app.hpp"
-#include "app/episode.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/episode.hpp"
 #include "tests/support/robots.hpp"
-#include "tests/support/scratch.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
-
-using test::Outcome;
-using test::run;
-using test::Scratch;
-using testing::HasSubstr;
 
 bool is_the_model(const Plant& p) {
   return !p.friction && !p.solref && p.mass == 1.0 && p.com_offset.isZero(0.0) && p.gain == 1.0 && p.strength == 1.0 &&
@@ -85,12 +78,12 @@ TEST(Scenario, MightyStaysOnItsFeet) {
     RobotModel robot = RobotModel::load("mighty");
     const Drive drive = drive_of(scenario, robot);
     if (drive != robot.profile().drive) robot = with_drive(robot, drive);
-    Course course;
-    course.on = Session::On::sim;
-    course.seed = 4;
-    course.seconds = 4.0;
-    course.scenario = &scenario;
-    const EpisodeResult result = Episodes(robot, flat, course).run(0, stop);
+    Trial trial;
+    trial.on = Session::On::sim;
+    trial.seed = 4;
+    trial.seconds = 4.0;
+    trial.scenario = &scenario;
+    const EpisodeResult result = Episodes(robot, flat, trial).run(0, stop);
     EXPECT_EQ(result.summary["falls"], 0) << scenario.name;
     EXPECT_LT(result.summary["tilt_deg_max"].get<double>(), 25.0) << scenario.name;
     if (scenario.driving != Driving::stand) {
@@ -138,48 +131,5 @@ TEST(Scenario, AFootThatIsHeldUpComesDownWhereItCatchesMighty) {
   }
 }
 
-TEST(Soak, PrintsATableOfAScenarioAndAFallThatCanBeSeenAgain) {
-  const Scratch scratch;
-  // A push that fells everyone.
-  const Outcome outcome = run({"soak", "--scenario", "push_stand", "--times", "8", "--seeds", "3", "--seed", "5",
-                               "--report", scratch.path("r.json")});
-  EXPECT_EQ(outcome.code, kFallen);
-  EXPECT_THAT(outcome.out, HasSubstr("push_stand"));
-  EXPECT_THAT(outcome.out, HasSubstr("0/3"));
-  const nlohmann::json row = scratch.json("r.json")["scenarios"]["push_stand"];
-  EXPECT_EQ(row["tried"], 3);
-  EXPECT_EQ(row["survived"], 0);
-  EXPECT_EQ(row["fell_with_seeds"], nlohmann::json({5, 6, 7}));
-  EXPECT_NEAR(row["fall_rate_95"].get<double>(), 1.0, 1e-12);
-  // The line printed for the second of them, as it is.
-  const std::string script = scratch.path("r.json.push_stand-5-1.jsonl");
-  const std::string line = "--scenario push_stand --times 8 --seed 6";
-  EXPECT_THAT(outcome.out, HasSubstr(line));
-  EXPECT_EQ(run({"drive", "--world", "flat", "--on", "sim", "--scenario", "push_stand", "--times", "8", "--seed", "6",
-                 "--input", "script:" + script, "--fast", "--seconds", "6"})
-                .code,
-            kFallen);
-  EXPECT_EQ(
-      run({"drive", "--world", "flat", "--on", "sim", "--input", "script:" + script, "--fast", "--seconds", "6"}).code,
-      kDone);
-}
-
-TEST(Soak, AScenarioIsRefusedWithWhatWouldBeRight) {
-  const Outcome unknown = run({"soak", "--scenario", "earthquake", "--seeds", "2"});
-  EXPECT_EQ(unknown.code, kBadInput);
-  EXPECT_THAT(unknown.err, HasSubstr("nominal, friction"));
-  EXPECT_EQ(run({"soak", "--scenario", "mass"}).code, kBadInput);
-  EXPECT_EQ(run({"soak", "--scenario", "mass", "--seeds", "2", "--hours", "1"}).code, kBadInput);
-  EXPECT_EQ(run({"soak", "--segments", "5"}).code, kBadInput) << "without a report";
-  const Outcome tiles = run({"drive", "--scenario", "tiles", "--world", "room", "--fast", "--seconds", "1"});
-  EXPECT_EQ(tiles.code, kBadInput);
-  EXPECT_THAT(tiles.err, HasSubstr("one plane"));
-  const Outcome ideal = run({"drive", "--on", "ideal", "--scenario", "mass", "--fast", "--seconds", "1"});
-  EXPECT_EQ(ideal.code, kBadInput);
-  EXPECT_THAT(ideal.err, HasSubstr("--on sim"));
-  EXPECT_EQ(run({"drive", "--times", "2", "--fast", "--seconds", "1"}).code, kBadInput) << "of what?";
-  EXPECT_EQ(run({"drive", "--state", "guess", "--fast", "--seconds", "1"}).code, kBadInput);
-}
-
 }  // namespace
-}  // namespace baton::app
+}  // namespace baton

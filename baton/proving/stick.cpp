@@ -1,12 +1,12 @@
-#include "app/stick.hpp"
+#include "baton/proving/stick.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "app/outputs.hpp"
+#include "baton/input/script.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kVisible = 0.05;
@@ -16,16 +16,6 @@ constexpr std::array<int, 11> kShare{22, 12, 12, 8, 8, 6, 0, 11, 7, 8, 6};
 constexpr int kPinned = 6;  ///< percent of the sticks begin with it
 
 }  // namespace
-
-std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream) {
-  const auto mix = [](std::uint64_t x) {  // splitmix64
-    x += 0x9e3779b97f4a7c15ULL;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-    return x ^ (x >> 31);
-  };
-  return mix(mix(seed) + stream);
-}
 
 Stick::Stick(std::uint64_t seed, double period) : dice_(seed), period_(period) {}
 
@@ -231,4 +221,4 @@ std::string stick_script(const std::function<Command()>& stick, double period, l
   return text + script_line(static_cast<double>(ticks) * period, Command{}) + '\n';
 }
 
-}  // namespace baton::app
+}  // namespace baton

@@ -10,7 +10,7 @@
 
 #include "baton/model/robot_model.hpp"
 
-namespace baton::app {
+namespace baton {
 
 class Checker {
  public:
@@ -107,4 +107,4 @@ class Checker {
   std::vector<Violation> found_;
 };
 
-}  // namespace baton::app
+}  // namespace baton
