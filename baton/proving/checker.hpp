@@ -89,17 +89,22 @@ class Checker {
   void judge_torques(const Tick& tick, const VecX& force, const VecX& speed, double share);
   [[nodiscard]] std::string geoms(int a, int b) const;
 
+  /// What the parts of the model are.
+  struct Parts {
+    std::vector<char> of_robot;  ///< by geom
+    std::vector<char> of_foot;   ///< by geom
+    std::vector<char> ground;    ///< by geom
+    BySide<int> foot{-1, -1};    ///< bodies
+    std::vector<char> of_leg;    ///< by joint
+  };
+
   const RobotModel* robot_;
   Tolerances tolerance_;
   double place_tolerance_ = 0.0;  ///< [m]
   ModelPtr model_;
-  DataPtr world_;               ///< placed in the world, at the newest tick
-  DataPtr forces_;              ///< placed in the frame of `q`, at the tick before
-  std::vector<char> of_robot_;  ///< by geom
-  std::vector<char> of_foot_;
-  std::vector<char> ground_;
-  BySide<int> foot_{-1, -1};  ///< bodies
-  std::vector<char> of_leg_;  ///< by joint
+  DataPtr world_;   ///< placed in the world, at the newest tick
+  DataPtr forces_;  ///< placed in the frame of `q`, at the tick before
+  Parts parts_;
   std::optional<Tick> before_;
   std::optional<Tick> earlier_;
   BySide<std::optional<Pose>> stood_;  ///< where a standing sole began to stand, in the frame of `q`
