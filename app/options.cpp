@@ -24,6 +24,10 @@ RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_fi
   return drive == robot.profile().drive ? std::move(robot) : with_drive(robot, drive);
 }
 
+Simulation::On on_named(const std::string& on) {
+  return on == "sim" ? Simulation::On::sim : Simulation::On::ideal;
+}
+
 SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
                                          long seed) {
   if (options.scenario && on != "sim")
@@ -39,8 +43,8 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
   return parameters;
 }
 
-AnswerFaults faults_of(const AnswerOptions& options, std::uint64_t seed) {
-  return {1e-3 * options.delay_ms, options.loss, seed};
+AnswerFaults faults_of(const AnswerOptions& options) {
+  return {1e-3 * options.delay_ms, options.loss};
 }
 
 StateSource state_named(const std::string& name) {

@@ -4,7 +4,8 @@
 #include <string>
 
 #include "app/commands.hpp"
-#include "baton/run/session.hpp"
+#include "baton/proving/answer_faults.hpp"
+#include "baton/run/simulation.hpp"
 
 namespace baton::app {
 
@@ -19,6 +20,9 @@ namespace baton::app {
 /// @throws InputError no such robot, drive or scenario
 [[nodiscard]] RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file);
 
+/// sim or ideal.
+[[nodiscard]] Simulation::On on_named(const std::string& on);
+
 /// The plant that options name.
 /// @param on sim or ideal
 /// @throws InputError a scenario where there is no physics, or no such scenario
@@ -26,7 +30,7 @@ namespace baton::app {
                                                        const std::string& on, long seed);
 
 /// What goes wrong with answers by these options.
-[[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options, std::uint64_t seed);
+[[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options);
 
 /// Where the state of the robot comes from.
 /// @throws InputError no such source

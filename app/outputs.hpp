@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "baton/record/output_file.hpp"
+#include "baton/record/recording.hpp"
 #include "baton/record/report.hpp"
 #include "baton/record/trace.hpp"
-#include "baton/run/session.hpp"
+#include "baton/run/simulation.hpp"
 
 namespace baton::app {
 
@@ -41,10 +42,10 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 
 class Outputs {
  public:
-  /// Records `session` from now on.
+  /// Records a run from now on; it must not outlive the object.
   /// @throws InputError a file cannot be written
   /// @throws std::runtime_error the model could not be written whole
-  Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
+  Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
   /// Records the run besides, for `baton replay`.

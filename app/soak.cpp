@@ -131,7 +131,7 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
   if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
-  if (o.physics.scenario || faults_of(o.answers, 0).any()) physics += fmt::format(" --seed {}", seed);
+  if (o.physics.scenario || faults_of(o.answers).any()) physics += fmt::format(" --seed {}", seed);
   fmt::print(
       "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
       "--seconds {:.3f}\n",
@@ -147,12 +147,12 @@ int soak(const SoakOptions& o) {
   const RobotModel robot = load_robot(o.robot, o.physics.drive);
   const World world = World::load(o.world);
   Trial trial;
-  trial.on = o.on == "sim" ? Session::On::sim : Session::On::ideal;
+  trial.on = on_named(o.on);
   trial.modes = modes_of(o.modes);
   trial.state = state_named(o.physics.state);
   trial.seed = static_cast<std::uint64_t>(o.seed);
   trial.seconds = o.episode.value_or(trial.seconds);
-  trial.answers = faults_of(o.answers, 0);
+  trial.answers = faults_of(o.answers);
   const Episodes episodes(robot, world, trial);
   check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
   SoakReport report(o, robot, world);

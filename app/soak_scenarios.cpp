@@ -120,14 +120,14 @@ int soak_scenarios(const SoakOptions& o) {
     one.on = "sim";
     const RobotModel robot = robot_in(one.physics, o.robot);
     Trial trial;
-    trial.on = Session::On::sim;
+    trial.on = Simulation::On::sim;
     trial.modes = modes_of(o.modes);
     trial.state = state_named(o.physics.state);
     trial.seed = static_cast<std::uint64_t>(o.seed);
     trial.seconds = o.episode.value_or(scenario.seconds);
     trial.scenario = &scenario;
     trial.times = o.physics.times;
-    trial.answers = faults_of(o.answers, 0);
+    trial.answers = faults_of(o.answers);
     const Episodes episodes(robot, world, trial);
     check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
     const double period = robot.profile().tick.period;

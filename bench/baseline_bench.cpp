@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "baton/ik/stand.hpp"
-#include "baton/run/session.hpp"
+#include "baton/run/simulation.hpp"
 #include "bench/bench.hpp"
 #include "bench/judge.hpp"
 #include "bench/parallel.hpp"
@@ -37,14 +37,17 @@ Verdict run_tracking(const RobotModel& robot, const Posture& start, VelocityTrac
 }
 
 Verdict run_baton(const RobotModel& robot, const World& world, std::uint64_t seed) {
-  Session session(robot, world, Session::On::ideal);
+  Simulation simulation(robot, world, Simulation::On::ideal);
+  Session& session = simulation.session();
+  Hooks hooks;
+  session.add(hooks);
   Judge judge(robot);
   Verdict verdict;
-  session.on_tick = [&](const TickRecord& record) {
+  hooks.tick = [&](const TickRecord& record) {
     const MotionSample& sample = record.navigator.sample();
     const Pose& anchor = record.navigator.anchor();
     const std::optional<Cause> cause = judge.see(
-        record.truth.q, {anchor * sample.sole.left, anchor * sample.sole.right}, anchor * sample.com, sample.contact);
+        record.truth->q, {anchor * sample.sole.left, anchor * sample.sole.right}, anchor * sample.com, sample.contact);
     if (cause && !verdict) verdict = Bankruptcy{record.t, *cause};
   };
   for (const Stretch& stretch : random_script(seed, kSeconds)) {

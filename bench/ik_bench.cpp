@@ -3,7 +3,7 @@
 
 #include "baton/ik/inverse_kinematics.hpp"
 #include "baton/plan/segment.hpp"
-#include "baton/run/session.hpp"
+#include "baton/run/simulation.hpp"
 #include "bench/bench.hpp"
 
 namespace baton::bench {
@@ -11,13 +11,16 @@ namespace baton::bench {
 Rows bench_ik(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
-  Session session(robot, world, Session::On::ideal);
+  Simulation simulation(robot, world, Simulation::On::ideal);
+  Session& session = simulation.session();
+  Hooks hooks;
+  session.add(hooks);
   struct Recorded {
     Posture from;
     Motion motion;
   };
   std::vector<Recorded> recorded;
-  session.on_plan = [&](const PlanRecord& record) {
+  hooks.plan = [&](const PlanRecord& record) {
     if (const auto* motion = std::get_if<Motion>(&record.result.outcome)) {
       recorded.push_back({record.request.start, *motion});
     }

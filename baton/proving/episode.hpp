@@ -3,26 +3,26 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
+#include <memory>
+#include <string>
 
-#include "baton/proving/checker.hpp"
+#include "baton/proving/answer_faults.hpp"
 #include "baton/proving/scenario.hpp"
-#include "baton/proving/stick.hpp"
 #include "baton/proving/tally.hpp"
-#include "baton/run/session.hpp"
+#include "baton/run/simulation.hpp"
 
 namespace baton {
 
 /// What the episodes of a run have in common.
 struct Trial {
-  Session::On on = Session::On::ideal;
+  Simulation::On on = Simulation::On::ideal;
   Modes modes{};
   StateSource state = StateSource::sensors;
   std::uint64_t seed = 0;
   double seconds = 120.0;              ///< each is that long, and then until the robot rests, and a few motions back
   const Scenario* scenario = nullptr;  ///< in physics: no way back then, but a plant for each
   double times = 1.0;                  ///< factor on how far that is from the model
-  AnswerFaults answers{};              ///< what goes wrong with them, by the seed of each episode instead of its own
+  AnswerFaults answers{};              ///< what goes wrong with them, by the seed of each episode
 };
 
 struct EpisodeResult {
@@ -49,15 +49,11 @@ class Episodes {
 
  private:
   [[nodiscard]] long ticks() const;
-  [[nodiscard]] std::function<Command()> stick(long index) const;
+  [[nodiscard]] std::unique_ptr<Device> stick(long index) const;
 
   const RobotModel* robot_;
   const World* world_;
   Trial trial_;
 };
-
-/// Whether no command at all, of many different ones and the way back, has a motion from there.
-/// @param request from where the robot rests; its command does not matter
-[[nodiscard]] bool stuck(Strategy& planning, Request request);
 
 }  // namespace baton

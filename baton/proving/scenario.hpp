@@ -1,12 +1,12 @@
 /// What a robot meets in physics that its model does not have (docs/balance.md).
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "baton/guide/command.hpp"
+#include "baton/input/device.hpp"
 #include "baton/robot/plant.hpp"
 
 namespace baton {
@@ -36,8 +36,8 @@ struct Scenario {
 /// @param times factor on how far it is from the model
 [[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0);
 
-/// The stick of such an episode, tick by tick.
-[[nodiscard]] std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
+/// The stick of such a run, to be read once a tick.
+[[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
 /// The robot with another kind of drive. A stiff drive in the place of another has servos kStiff times as firm.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);

@@ -19,6 +19,10 @@ constexpr int kPinned = 6;  ///< percent of the sticks begin with it
 
 Stick::Stick(std::uint64_t seed, double period) : dice_(seed), period_(period) {}
 
+DeviceStatus Stick::status() const {
+  return {.name = "stick at random", .connected = true, .armed = true, .hint = ""};
+}
+
 bool Stick::deflected(const Command& command) {
   const Command c = sanitised(command);
   return c.axes.cwiseAbs().maxCoeff() > kVisible || (is_foot(c.guide) && c.lift[side_of(c.guide)] > kVisible);
@@ -208,15 +212,16 @@ double Stick::strange() {
   return values[static_cast<std::size_t>(dice_.below(values.size()))];
 }
 
-std::string stick_script(const std::function<Command()>& stick, double period, long ticks) {
+std::string stick_script(Device& stick, double period, long ticks) {
   std::string text;
   std::string last;
   for (long k = 0; k < ticks; ++k) {
-    const Command command = stick();
+    const double t = static_cast<double>(k) * period;
+    const Command command = stick.read(t);
     std::string same = script_line(0.0, command);
     if (same == last) continue;
     last = std::move(same);
-    text += script_line(static_cast<double>(k) * period, command) + '\n';
+    text += script_line(t, command) + '\n';
   }
   return text + script_line(static_cast<double>(ticks) * period, Command{}) + '\n';
 }

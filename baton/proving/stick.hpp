@@ -3,16 +3,15 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <string>
 #include <string_view>
 
-#include "baton/guide/command.hpp"
+#include "baton/input/device.hpp"
 #include "baton/proving/dice.hpp"
 
 namespace baton {
 
-class Stick {
+class Stick : public Device {
  public:
   /// What goes on at the stick for some time.
   enum class Style {
@@ -38,6 +37,10 @@ class Stick {
   /// ticks, as if the device were lost. At any time the stick has been deflected for at least 75 % of it, but for the
   /// stretch under way.
   [[nodiscard]] Command next();
+
+  /// The same: to be read once a tick.
+  [[nodiscard]] Command read(double /*t*/) override { return next(); }
+  [[nodiscard]] DeviceStatus status() const override;
 
   /// What it belongs to.
   [[nodiscard]] Style style() const { return style_; }
@@ -68,8 +71,8 @@ class Stick {
   long deflected_ = 0;
 };
 
-/// Ticks 0 … `ticks` − 1 of a stick as a script that gives the very same commands (docs/input.md), then a line with
-/// the stick let go.
-[[nodiscard]] std::string stick_script(const std::function<Command()>& stick, double period, long ticks);
+/// What a stick does in the ticks 0 … `ticks` − 1 of a run, as a script that gives the very same commands
+/// (docs/input.md); then a line with the stick let go of.
+[[nodiscard]] std::string stick_script(Device& stick, double period, long ticks);
 
 }  // namespace baton

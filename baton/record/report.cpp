@@ -90,11 +90,11 @@ void Report::account(const Credit& credit, bool over) {
   interval.made_rotation = rotation;
 }
 
-void Report::add(const TickRecord& record) {
+void Report::on_tick(const TickRecord& record) {
   const Navigator& nav = record.navigator;
   duration_ = record.t + robot_->profile().tick.period;
   tick_.add(record.tick_us);
-  kinematics_.set(record.truth.q);
+  if (record.truth != nullptr) kinematics_.set(record.truth->q);
 
   const Command& command = nav.command();
   if (!(command == last_command_)) {
@@ -141,7 +141,9 @@ void Report::add(const TickRecord& record) {
     last_refused_ = key;
   }
 
-  const Truth& truth = record.truth;
+  has_truth_ = record.truth != nullptr;
+  if (!has_truth_) return;
+  const Truth& truth = *record.truth;
   fallen_ = fallen_ || truth.fallen;
   tilt_ = std::max(tilt_, tilt_of(kinematics_.trunk().R));
   if (truth.touch.left || truth.touch.right) {
@@ -169,14 +171,14 @@ void Report::note_height(const Navigator& navigator) {
 
 void Report::track(const TickRecord& record) {
   const Navigator& nav = record.navigator;
-  if (nav.phase() == Phase::fallen || record.truth.fallen) return;
+  if (nav.phase() == Phase::fallen || record.truth->fallen) return;
   const MotionSample& plan = nav.sample();
   const BySide<Pose> soles{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
   const Pose frame = anchor_correction(plan.sole, soles, plan.contact);
   planned_.set(plan.q);
   tracking_.com += (kinematics_.com() - frame * plan.com).squaredNorm();
   const Vec2 zmp = (frame * Vec3(plan.zmp.x(), plan.zmp.y(), plan.zmp_height)).head<2>();
-  const Vec2 measured = measured_zmp(record.truth, support_plane(soles, plan.contact));
+  const Vec2 measured = measured_zmp(*record.truth, support_plane(soles, plan.contact));
   if (measured.allFinite()) tracking_.zmp += (measured - zmp).squaredNorm();
   for (const Side side : kSides) {
     tracking_.sole += 0.5 * (soles[side].p - frame * plan.sole[side].p).squaredNorm();
@@ -184,7 +186,7 @@ void Report::track(const TickRecord& record) {
   }
   ++tracking_.ticks;
 
-  const Vec3 trunk = record.truth.q.head<3>();
+  const Vec3 trunk = record.truth->q.head<3>();
   if (!std::exchange(tracks_, true)) way_from_ = trunk;
   // The way is counted in pieces, so that swaying does not count.
   const double piece = 0.1 * robot_->profile().stance.com_height;
@@ -197,7 +199,7 @@ void Report::track(const TickRecord& record) {
   if (way_ > 2.0 * robot_->profile().stance.com_height) tracking_.share = std::max(tracking_.share, error / way_);
 }
 
-void Report::add(const PlanRecord& record) {
+void Report::on_plan(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
   plan_.add(record.plan_us);
   planned_by_ = record.request.command.recall == Recall::none ? command_ : -1;
@@ -215,36 +217,42 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
     return tracking_.ticks > 0 ? std::sqrt(sum / static_cast<double>(tracking_.ticks)) : 0.0;
   };
   const auto moved = std::count_if(commands_.begin(), commands_.end(), [](const Interval& c) { return c.moved(); });
-  return {{"robot", robot_->profile().name},
-          {"world", world},
-          {"on", on},
-          {"seed", seed},
-          {"duration_s", duration_},
-          {"falls", fallen_ ? 1 : 0},
-          {"segments",
-           {{"committed", committed_},
-            {"caught", caught_},
-            {"slips", slips_},
-            {"shrunk", nlohmann::json(shrunk_)},
-            {"refused", nlohmann::json(refused_)}}},
-          {"commands", {{"given", commands_.size()}, {"moved", moved}}},
-          {"travel_m", travel_},
-          {"plan_us", plan_.summary()},
-          {"tick_us", tick_.summary()},
-          {"zmp_margin_m",
-           {{"planned_min", finite_or_null(planned_margin_)}, {"measured_min", finite_or_null(measured_margin_)}}},
-          {"tracking",
-           {{"com_rms_m", rms(tracking_.com)},
-            {"sole_rms_m", rms(tracking_.sole)},
-            {"hand_rms_m", rms(tracking_.hand)},
-            {"zmp_rms_m", rms(tracking_.zmp)},
-            {"way_m", way_},
-            {"estimate_max_m", tracking_.estimate},
-            {"estimate_share", tracking_.share}}},
-          {"com_height_m", {{"first", first_height_}, {"last", height_}}},
-          {"tilt_deg_max", tilt_ * 180.0 / M_PI},
-          {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
-          {"final", final}};
+  nlohmann::json report = {
+      {"robot", robot_->profile().name},
+      {"world", world},
+      {"on", on},
+      {"seed", seed},
+      {"duration_s", duration_},
+      {"falls", fallen_ ? 1 : 0},
+      {"segments",
+       {{"committed", committed_},
+        {"caught", caught_},
+        {"slips", slips_},
+        {"shrunk", nlohmann::json(shrunk_)},
+        {"refused", nlohmann::json(refused_)}}},
+      {"commands", {{"given", commands_.size()}, {"moved", moved}}},
+      {"travel_m", travel_},
+      {"plan_us", plan_.summary()},
+      {"tick_us", tick_.summary()},
+      {"zmp_margin_m",
+       {{"planned_min", finite_or_null(planned_margin_)}, {"measured_min", finite_or_null(measured_margin_)}}},
+      {"tracking",
+       {{"com_rms_m", rms(tracking_.com)},
+        {"sole_rms_m", rms(tracking_.sole)},
+        {"hand_rms_m", rms(tracking_.hand)},
+        {"zmp_rms_m", rms(tracking_.zmp)},
+        {"way_m", way_},
+        {"estimate_max_m", tracking_.estimate},
+        {"estimate_share", tracking_.share}}},
+      {"com_height_m", {{"first", first_height_}, {"last", height_}}},
+      {"tilt_deg_max", tilt_ * 180.0 / M_PI},
+      {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
+      {"final", final}};
+  if (has_truth_) return report;
+  for (const char* key : {"falls", "travel_m", "tracking", "com_height_m", "tilt_deg_max", "final"})
+    report[key] = nullptr;
+  report["commands"]["moved"] = nullptr;
+  return report;
 }
 
 }  // namespace baton

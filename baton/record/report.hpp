@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "baton/record/tick_record.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
 
@@ -21,12 +21,12 @@ class Durations {
   std::vector<double> us_;
 };
 
-class Report {
+class Report : public Sink {
  public:
   explicit Report(const RobotModel& robot);
 
-  void add(const TickRecord& record);
-  void add(const PlanRecord& record);
+  void on_tick(const TickRecord& record) override;
+  void on_plan(const PlanRecord& record) override;
 
   /// @param wall duration of the run by the clock on the wall [s]
   [[nodiscard]] nlohmann::json json(const std::string& world, const std::string& on, long seed, double wall);
@@ -60,6 +60,7 @@ class Report {
   const RobotModel* robot_;
   Kinematics kinematics_;
   double duration_ = 0.0;
+  bool has_truth_ = true;  ///< the robot does; without, what only a simulator knows is null
   bool fallen_ = false;
   std::vector<Interval> commands_;
   Command last_command_;

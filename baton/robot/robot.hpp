@@ -1,21 +1,13 @@
 /// Port for everything that has joints and sensors: an ideal robot, a simulated one, a real one.
 #pragma once
 
+#include <stdexcept>
+#include <string>
+
 #include "baton/balance/measurement.hpp"
 #include "baton/motion/motion.hpp"
 
 namespace baton {
-
-class Robot {
- public:
-  virtual ~Robot() = default;
-
-  /// What the sensors say now.
-  [[nodiscard]] virtual Measurement read() = 0;
-
-  /// Where the joints shall be when the tick ends. A simulated robot lives through the tick in this call.
-  virtual void write(const JointTarget& target) = 0;
-};
 
 /// What only a simulation knows: for traces and graders, never for control.
 struct Truth {
@@ -28,10 +20,22 @@ struct Truth {
   std::string fall;  ///< what made it one
 };
 
-/// A robot whose truth can be seen.
-class TransparentRobot : public Robot {
+class Robot {
  public:
-  [[nodiscard]] virtual const Truth& truth() const = 0;
+  virtual ~Robot() = default;
+
+  /// What the sensors say now.
+  [[nodiscard]] virtual Measurement read() = 0;
+
+  /// Where the joints shall be when the tick ends. A simulated robot lives through the tick in this call.
+  virtual void write(const JointTarget& target) = 0;
+
+  /// Back to the posture that it began in, as new.
+  /// @throws std::logic_error it cannot, as no robot can that somebody has to carry back
+  virtual void reset() { throw std::logic_error("this robot cannot be put back to its start"); }
+
+  /// Null: it has none, as no real robot has. Else for as long as the robot lives, and always of now.
+  [[nodiscard]] virtual const Truth* truth() const { return nullptr; }
 };
 
 }  // namespace baton

@@ -25,10 +25,10 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
     : robot_(&robot),
       period_(period),
       parameters_(parameters),
+      start_(start),
       text_(with_ground(world.compose(robot, parameters.timestep), parameters.plant, name_of(robot.mj(), mjOBJ_BODY, 1),
                         0.5 * (start.sole.left.p + start.sole.right.p))),
-      kinematics_(robot),
-      random_(parameters.plant.seed) {
+      kinematics_(robot) {
   const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
   const double steps = period_ / parameters_.timestep;
   if (!(steps > 0.5) || std::abs(steps - std::round(steps)) > 1e-6) {
@@ -74,22 +74,32 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   perturb();
   data_ = DataPtr(mj_makeData(&m));
   mj_setConst(&m, data_.get());
+  if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
+  SimulatedRobot::reset();
+}
+
+void SimulatedRobot::reset() {
+  mj_resetData(model_.get(), data_.get());
+  random_.seed(parameters_.plant.seed);
+  normal_.reset();
+  sent_.clear();
+  truth_ = {};
+  imu_velocity_.setZero();
   // On tilted ground it is put down tilted.
-  const Vec3 at = 0.5 * (start.sole.left.p + start.sole.right.p);
+  const Vec3 at = 0.5 * (start_.sole.left.p + start_.sole.right.p);
   const Mat3 tilt = rotation_exp(parameters_.plant.tilt);
-  truth_.q = start.q;
-  truth_.q.head<3>() = at + tilt * (start.q.head<3>() - at);
+  truth_.q = start_.q;
+  truth_.q.head<3>() = at + tilt * (start_.q.head<3>() - at);
   const Eigen::Quaterniond attitude =
-      Eigen::Quaterniond(tilt) * Eigen::Quaterniond(start.q[3], start.q[4], start.q[5], start.q[6]);
+      Eigen::Quaterniond(tilt) * Eigen::Quaterniond(start_.q[3], start_.q[4], start_.q[5], start_.q[6]);
   truth_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
-  truth_.dq = VecX::Zero(robot.nv());
+  truth_.dq = VecX::Zero(robot_->nv());
   for (int i = 0; i < 7; ++i)
     data_->qpos[root_qpos_ + i] = truth_.q[i];
   for (std::size_t j = 0; j < qpos_.size(); ++j)
-    data_->qpos[qpos_[j]] = start.q[7 + static_cast<Eigen::Index>(j)];
-  if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
-  encoder_error_ = torque_ = VecX::Zero(robot.nv() - 6);
-  mj_forward(&m, data_.get());
+    data_->qpos[qpos_[j]] = start_.q[7 + static_cast<Eigen::Index>(j)];
+  encoder_error_ = torque_ = VecX::Zero(robot_->nv() - 6);
+  mj_forward(model_.get(), data_.get());
   observe();
 }
 

@@ -1,4 +1,5 @@
-/// Planning on a thread of its own, so that the loop never waits: one request at a time, one answer.
+/// Planning on a thread of its own, so that the loop never waits. Answers come when they are ready, and may be too late
+/// to be taken over: for runs by the clock on the wall. A library of its own, `baton::planning_thread`.
 #pragma once
 
 #include <atomic>
@@ -6,42 +7,36 @@
 #include <optional>
 #include <thread>
 
-#include "baton/navigate/navigator.hpp"
-#include "baton/plan/strategy.hpp"
+#include "baton/run/planning.hpp"
 
 namespace baton {
 
-class PlanningThread {
+class PlanningThread : public Planning {
  public:
-  struct Reply {
-    Request request;
-    Answer result;
-    double plan_us = 0.0;  ///< CPU time of it [µs]
-  };
-
   /// Robot and world must outlive the object.
   PlanningThread(const RobotModel& robot, const World& world, Modes modes);
-  ~PlanningThread();
+  ~PlanningThread() override;
   PlanningThread(const PlanningThread&) = delete;
   PlanningThread& operator=(const PlanningThread&) = delete;
 
-  /// Whether it waits for a request.
-  [[nodiscard]] bool idle() const { return state_.load(std::memory_order_acquire) == State::idle; }
+  [[nodiscard]] bool idle() const override { return state_.load(std::memory_order_acquire) == State::idle; }
 
-  /// Hands in a request; only while it is idle. Returns at once.
-  void post(Request request);
+  /// Returns at once.
+  void post(Request request) override;
 
-  /// The answer, once it is there; it is idle from then on. Returns at once.
-  /// @throws what planning threw
-  [[nodiscard]] std::optional<Reply> poll();
+  /// Returns at once.
+  [[nodiscard]] std::optional<Reply> poll(long tick) override;
+
+  /// Waits for an answer that is being worked out.
+  void reset() override;
 
  private:
   enum class State { idle, posted, answered, ending };
 
   void run();
 
-  Strategy planning_;
-  std::atomic<State> state_{State::idle};  ///< says whose turn it is with the answer
+  Strategy strategy_;
+  std::atomic<State> state_{State::idle};  ///< says whose turn it is with the reply
   Reply reply_;
   std::exception_ptr error_;
   std::thread thread_;

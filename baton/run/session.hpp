@@ -1,91 +1,77 @@
-/// One run: robot, world, navigator, planner and a device, tick by tick.
+/// A run: the one loop for every robot, be it ideal, simulated or real. Tick by tick it reads the robot, lets the
+/// navigator decide, writes the joint targets, and sees to the planning.
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <string>
+#include <optional>
+#include <vector>
 
-#include "baton/input/device.hpp"
-#include "baton/navigate/navigator.hpp"
-#include "baton/plan/strategy.hpp"
-#include "baton/proving/dice.hpp"
-#include "baton/record/recording.hpp"
-#include "baton/robot/simulated_robot.hpp"
-#include "baton/run/planning_thread.hpp"
+#include "baton/run/operator.hpp"
+#include "baton/run/planning.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
 
-/// What goes wrong with the planner's answers on their way to the navigator.
-struct AnswerFaults {
-  double delay = 0.0;      ///< each comes late, by at most this [s]
-  double loss = 0.0;       ///< share of answers that never come
-  std::uint64_t seed = 0;  ///< of the delays and losses
-
-  [[nodiscard]] bool any() const { return delay > 0.0 || loss > 0.0; }
-};
-
-/// Thread CPU time [µs].
-[[nodiscard]] double cpu_us();
-
 class Session {
  public:
-  enum class On { sim, ideal };
+  struct Parameters {
+    Modes modes{};
+    StateSource source = StateSource::sensors;  ///< where the robot's state comes from
+    Planning* planning = nullptr;               ///< by the same modes; null: on the spot, within the tick
+  };
 
-  /// @param start posture that the robot begins in; none: it stands at the world's site `start`
-  /// @throws InputError robot and world do not go together
-  Session(const RobotModel& robot, const World& world, On on, std::optional<Posture> start = std::nullopt,
-          SimulatedRobot::Parameters parameters = {}, Modes modes = {}, StateSource state = StateSource::sensors);
+  /// All that is given must outlive the object.
+  /// @param start posture that the robot stands in, at rest, in the world
+  /// @throws InputError the robot has not the sensors that its state is to come from
+  Session(const RobotModel& model, const World& world, Robot& robot, const Posture& start)
+      : Session(model, world, robot, start, Parameters{}) {}
+  Session(const RobotModel& model, const World& world, Robot& robot, const Posture& start,
+          const Parameters& parameters);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
-  /// Called with every tick, and with every answer of the planner.
-  std::function<void(const TickRecord&)> on_tick;
-  std::function<void(const PlanRecord&)> on_plan;
-  std::function<void(PlanningEvent)> on_event;
+  /// From now on the sink is told of everything, as long as there are steps. Sinks are called in the order in which
+  /// they were added.
+  void add(Sink& sink) { sinks_.push_back(&sink); }
 
-  /// From now on planning has a thread of its own, for a run by the clock on the wall: answers come when they are
-  /// ready, and are dropped if that is too late. Without it they come at once, whatever the clock says.
-  void plan_on_a_thread();
-
-  /// From now on answers come late or not at all.
-  void spoil_answers(const AnswerFaults& faults);
-
-  /// Lives through one tick with this command.
+  /// Lives through one tick with this command, or with the one that the operator decides on.
   void step(const Command& command);
+  void step(Operator& who) { step(who.decide(view())); }
 
-  [[nodiscard]] double t() const { return t_; }
-  [[nodiscard]] bool fallen() const { return body_->truth().fallen; }
-  [[nodiscard]] bool resting() const { return navigator_.motion() == nullptr; }
-  [[nodiscard]] const RobotModel& robot() const { return *robot_; }
+  /// Back to the start, with an empty history; what follows is what follows in a new session, bit by bit, if the
+  /// operator begins anew as well. Sinks stay.
+  /// @throws std::logic_error the robot cannot be put back; nothing has changed then
+  void reset();
+
+  /// What an operator may see now.
+  [[nodiscard]] Operator::View view() const { return {t(), navigator(), truth()}; }
+
+  [[nodiscard]] double t() const { return static_cast<double>(ticks_) * model_->profile().tick.period; }
+  [[nodiscard]] bool resting() const { return navigator_->motion() == nullptr; }
+  /// Whether the robot has fallen by its truth. One that has none is never said to have: see Navigator::guard().
+  [[nodiscard]] bool fallen() const { return truth() != nullptr && truth()->fallen; }
+  [[nodiscard]] const RobotModel& model() const { return *model_; }
   [[nodiscard]] const World& world() const { return *world_; }
-  [[nodiscard]] const Navigator& navigator() const { return navigator_; }
-  [[nodiscard]] const Truth& truth() const { return body_->truth(); }
-  /// Robot and world in one model, as MJCF text: what is stepped in simulation.
-  [[nodiscard]] const std::string& model_text() const { return model_text_; }
-  /// The simulated robot; null on `ideal`.
-  [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
+  [[nodiscard]] const Navigator& navigator() const { return *navigator_; }
+  /// Null: the robot has none.
+  [[nodiscard]] const Truth* truth() const { return robot_->truth(); }
 
  private:
   /// Asks the planner for what is due, if it is free, and hands in what it has answered.
   void plan();
-  /// The answer of the planner, once it is there and its delay is over.
-  [[nodiscard]] std::optional<PlanningThread::Reply> answer();
-  void post(Request request);
+  void hand_in();
+  /// Begins at the start.
+  void begin();
 
-  const RobotModel* robot_;
+  const RobotModel* model_;
   const World* world_;
+  Robot* robot_;
   Posture start_;
-  std::string model_text_;
-  SimulatedRobot* simulated_ = nullptr;
-  std::unique_ptr<TransparentRobot> body_;
-  Navigator navigator_;
-  Modes modes_;
-  Strategy planning_;
-  std::optional<PlanningThread> thread_;
-  AnswerFaults faults_;
-  Dice dice_{0};
-  long due_at_ = 0;                             ///< tick from which the answer to the newest request may come
-  bool lost_ = false;                           ///< the answer to the newest request is lost
-  std::optional<PlanningThread::Reply> ready_;  ///< what was planned on the spot
-  double t_ = 0.0;
+  Gait gait_;
+  StateSource source_;
+  std::optional<Navigator> navigator_;
+  std::optional<DirectPlanning> on_the_spot_;
+  Planning* planning_;
+  std::vector<Sink*> sinks_;
   long ticks_ = 0;
 };
 

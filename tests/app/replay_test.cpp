@@ -6,10 +6,8 @@
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
-#include "baton/ik/stand.hpp"
 #include "baton/input/script.hpp"
 #include "baton/proving/stick.hpp"
-#include "baton/run/planning_thread.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -194,34 +192,6 @@ TEST_F(Replay, WhatItReadsWrongIsOneLineAndExitCodeTwo) {
   refused(changed(0, "/robot", "nobody"), "line 1: robot 'nobody'");
   refused(changed(0, "/world", 5), "line 1: world = 5");
   refused(text[0] + '\n', "holds no ticks");
-}
-
-TEST(PlanningThread, AnswersAsPlanningDoes) {
-  const RobotModel& robot = test::robot("mighty");
-  const World world = World::load("flat");
-  Strategy planning(robot, world);
-  Request request;
-  request.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  request.context.foothold = request.context.from.sole;
-  request.start = request.context.from;
-  PlanningThread thread(robot, world, {});
-  for (const double x : {1.0, -0.5, 0.0, 0.3}) {
-    request.command.axes[0] = x;
-    ASSERT_TRUE(thread.idle());
-    EXPECT_FALSE(thread.poll().has_value());
-    thread.post(request);
-    std::optional<PlanningThread::Reply> answer;
-    while (!(answer = thread.poll()))
-      std::this_thread::yield();
-    const Answer expected = planning.plan(request);
-    ASSERT_EQ(answer->result.outcome.index(), expected.outcome.index());
-    if (const auto* motion = std::get_if<Motion>(&expected.outcome)) {
-      const Motion& other = std::get<Motion>(answer->result.outcome);
-      ASSERT_EQ(other.ticks(), motion->ticks());
-      EXPECT_EQ(other.end.q, motion->end.q);
-    }
-  }
-  thread.post(request);  // and it ends well with a request in hand
 }
 
 }  // namespace

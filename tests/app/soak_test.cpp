@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 constexpr double kPeriod = 0.005;
 
-Trial trial(Session::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
+Trial trial(Simulation::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
   Trial trial;
   trial.on = on;
   trial.seed = seed;
@@ -105,7 +105,7 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
             kFallen);
   const World gale(file);
   const std::atomic<bool> stop{false};
-  const EpisodeResult again = Episodes(test::robot("mighty"), gale, trial(Session::On::sim, 5, 30.0)).run(0, stop);
+  const EpisodeResult again = Episodes(test::robot("mighty"), gale, trial(Simulation::On::sim, 5, 30.0)).run(0, stop);
   expect_same_end(scratch.table("t.csv"), again);
 }
 
@@ -113,7 +113,7 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
   const Scratch scratch;
   const World world = World::load("flat");
   const std::atomic<bool> stop{false};
-  const Episodes episodes(test::robot("mighty"), world, trial(Session::On::ideal, 11, 20.0));
+  const Episodes episodes(test::robot("mighty"), world, trial(Simulation::On::ideal, 11, 20.0));
   const EpisodeResult result = episodes.run(4, stop);
   EXPECT_GE(result.tally.segments, 3);
   EXPECT_GE(result.tally.retrace.tried, 1);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "baton/proving/scenario.hpp"
-#include "baton/run/session.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
@@ -428,15 +428,16 @@ TEST(Footing, FeetThatStandDoNotCreepApartUnderAWrongMass) {  // 25 mm in two mi
   for (const std::uint64_t seed : {0u, 1u}) {
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant_of(creep, robot, seed);
-    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
     const auto stick = stick_of(creep, robot, seed);
     Kinematics kinematics(robot);
     Pose before;
     while (session.t() < 40.0) {
-      session.step(stick());
+      session.step(*stick);
       ASSERT_FALSE(session.fallen());
       if (std::abs(session.t() - 8.0) > 1e-6 && session.t() < 40.0 - 1e-6) continue;
-      kinematics.set(session.truth().q);
+      kinematics.set(session.truth()->q);
       const Pose between = kinematics.sole(Side::left).inverse() * kinematics.sole(Side::right);
       if (session.t() < 9.0) {
         before = between;

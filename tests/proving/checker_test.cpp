@@ -7,7 +7,7 @@
 #include <set>
 
 #include "baton/input/script.hpp"
-#include "baton/run/session.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
@@ -32,15 +32,18 @@ const Recorded& recorded(const std::string& name) {
   Recorded& made = known[name];
   if (!made.ticks.empty()) return made;
   const World world = World::load("flat");
-  Session session(test::robot(name), world, Session::On::ideal);
-  made.model_text = session.model_text();
-  session.on_tick = [&made](const TickRecord& r) {
+  Simulation simulation(test::robot(name), world, Simulation::On::ideal);
+  Session& session = simulation.session();
+  made.model_text = simulation.model_text();
+  Hooks hooks;
+  session.add(hooks);
+  hooks.tick = [&made](const TickRecord& r) {
     made.ticks.push_back(
-        {r.t, Pose{}, r.truth.q, r.navigator.sample().contact, r.navigator.phase() == Phase::hold, false, r.target.q});
+        {r.t, Pose{}, r.truth->q, r.navigator.sample().contact, r.navigator.phase() == Phase::hold, false, r.target.q});
   };
   Script script = Script::parse(kScript, "walk");
   while (session.t() < 5.0)
-    session.step(script.read(session.t()));
+    session.step(script);
   return made;
 }
 

@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "baton/ik/stand.hpp"
+#include "baton/proving/judges.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-Trial trial(Session::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
+Trial trial(Simulation::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
   Trial trial;
   trial.on = on;
   trial.seed = seed;
@@ -23,7 +24,7 @@ struct Situation {
   std::uint64_t seed;
   long episode;
   const char* robot = "mighty";
-  Session::On on = Session::On::ideal;
+  Simulation::On on = Simulation::On::ideal;
   Modes modes = {};
 };
 
@@ -36,17 +37,17 @@ INSTANTIATE_TEST_SUITE_P(Situations, EpisodeInClutter,
                                                    1,
                                                    24,
                                                    "mighty",
-                                                   Session::On::ideal,
+                                                   Simulation::On::ideal,
                                                    {DurationRule::search, OnLimit::discard}},
                                          Situation{"ALargerRobot", 1, 6, "scaled"},
-                                         Situation{"AFootThatSlippedAtAnEdge", 1, 27, "mighty", Session::On::sim}),
+                                         Situation{"AFootThatSlippedAtAnEdge", 1, 27, "mighty", Simulation::On::sim}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(EpisodeInClutter, NothingGoesWrong) {
   const Situation& s = GetParam();
   const World clutter(std::string(BATON_SOURCE_DIR) + "/tests/worlds/clutter.xml");
   const Episodes episodes(test::robot(s.robot), clutter,
-                          trial(s.on, s.seed, s.on == Session::On::sim ? 8.0 : 10.0, s.modes));
+                          trial(s.on, s.seed, s.on == Simulation::On::sim ? 8.0 : 10.0, s.modes));
   const std::atomic<bool> stop{false};
   const Tally tally = episodes.run(s.episode, stop).tally;
   for (const Tally::Failure& failure : tally.listed) {
@@ -56,7 +57,7 @@ TEST_P(EpisodeInClutter, NothingGoesWrong) {
   EXPECT_EQ(tally.failures, 0);
   EXPECT_GE(tally.segments, 5);
   EXPECT_GE(tally.retrace.tried, 1);
-  if (s.on == Session::On::ideal) {
+  if (s.on == Simulation::On::ideal) {
     EXPECT_EQ(tally.retrace.arrived, tally.retrace.tried);
   }
 }

@@ -79,7 +79,7 @@ TEST(Scenario, MightyStaysOnItsFeet) {
     const Drive drive = drive_of(scenario, robot);
     if (drive != robot.profile().drive) robot = with_drive(robot, drive);
     Trial trial;
-    trial.on = Session::On::sim;
+    trial.on = Simulation::On::sim;
     trial.seed = 4;
     trial.seconds = 4.0;
     trial.scenario = &scenario;
@@ -98,15 +98,16 @@ TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
   for (const long seed : {0, 1}) {  // fore and aft
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant_of(scenario_named("push_fore"), robot, static_cast<std::uint64_t>(seed), 1.6);
-    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
-    const double before = session.truth().q[0];
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
+    const double before = session.truth()->q[0];
     while (session.t() < 6.0 && !session.fallen())
       session.step({});
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
     EXPECT_GE(session.navigator().caught(), 1);
     EXPECT_TRUE(session.resting());
     EXPECT_EQ(session.navigator().guard(), Guard::armed);
-    EXPECT_GT((session.truth().q[0] - before) * (seed == 0 ? 1.0 : -1.0), 0.01) << "that way";
+    EXPECT_GT((session.truth()->q[0] - before) * (seed == 0 ? 1.0 : -1.0), 0.01) << "that way";
   }
 }
 
@@ -116,7 +117,8 @@ TEST(Scenario, AFootThatIsHeldUpComesDownWhereItCatchesMighty) {
   for (const double ahead : {1.6, -1.6}) {
     SimulatedRobot::Parameters parameters;
     parameters.plant.pushes = {{4.0, 0.05, Vec3(ahead, 0, 0)}};
-    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
     Command command;
     command.guide = Part::left_foot;
     command.lift.left = 0.5;
@@ -126,7 +128,7 @@ TEST(Scenario, AFootThatIsHeldUpComesDownWhereItCatchesMighty) {
     ASSERT_FALSE(session.navigator().sample().contact.left);
     while (session.t() < 8.0 && !session.fallen())
       session.step(command);
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
     EXPECT_GE(session.navigator().caught(), 1);
   }
 }
