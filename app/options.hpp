@@ -1,4 +1,4 @@
-/// What options stand for: robot, physics, modes.
+/// The values that options name.
 #pragma once
 
 #include <string>

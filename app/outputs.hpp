@@ -37,12 +37,12 @@ void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<Nam
 /// @throws InputError it cannot be made; the message names `option`
 void make_folder(const std::filesystem::path& folder, const std::string& option);
 
-/// By the clock on the wall [s].
+/// Wall-clock time [s].
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
 class Outputs {
  public:
-  /// Records a run from now on; it must not outlive the object.
+  /// Observes the run from now on; it must not be stepped after the object is gone.
   /// @throws InputError a file cannot be written
   /// @throws std::runtime_error the model could not be written whole
   Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,

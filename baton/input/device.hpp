@@ -1,5 +1,5 @@
-/// Port for everything that an operator holds: joystick, pad, keys in the page, script. It knows nothing of the run but
-/// the time.
+/// Port for everything that an operator holds: joystick, pad, keys in the page, script. Of the run it knows only the
+/// time.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-/// What goes wrong with the planner's answers on their way to the navigator.
+/// Faults of the planner's answers on their way to the navigator.
 #pragma once
 
 #include "baton/proving/dice.hpp"
@@ -13,7 +13,7 @@ struct AnswerFaults {
   [[nodiscard]] bool any() const { return delay > 0.0 || loss > 0.0; }
 };
 
-/// Planning whose answers come late or not at all, at random.
+/// A planner whose answers come late or not at all, at random.
 class FaultyPlanning : public Planning {
  public:
   /// @param planning must outlive the object

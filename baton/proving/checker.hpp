@@ -1,5 +1,5 @@
-/// Judges a trajectory tick by tick by its own means: differences in time, MuJoCo's inverse dynamics, collision and
-/// rays. It knows robot and world, and shares no code with what plans and verifies.
+/// Checks a trajectory tick by tick by independent means: differences in time, MuJoCo's inverse dynamics, collision
+/// detection and rays. It knows robot and world, and shares no code with planner and verifier.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace baton {
 class Checker {
  public:
   enum class Kind {
-    not_finite,          ///< a number that is none
-    clock,               ///< time that does not go on by one period [s]
+    not_finite,          ///< a value that is not finite
+    clock,               ///< time does not advance by one period [s]
     target,              ///< a joint is not where it was told to be [rad]
     joint_range,         ///< joint nearer to its limits than the profile's margin [rad]
     joint_speed,         ///< faster than the profile allows [rad/s]
@@ -68,11 +68,11 @@ class Checker {
   };
 
   /// @param model_text world and robot in one model (MJCF)
-  /// @throws InputError something in the world moves by itself, or the model has not what the robot has
+  /// @throws InputError the world has joints of its own, or the model lacks a part of the robot
   Checker(const RobotModel& robot, const std::string& model_text, const Tolerances& tolerances);
   Checker(const RobotModel& robot, const std::string& model_text) : Checker(robot, model_text, Tolerances{}) {}
 
-  /// The next tick. Judged are its places, and the forces at the tick before it. The result holds until the next call.
+  /// Checks the positions of this tick and the forces of the one before. The result is valid until the next call.
   const std::vector<Violation>& add(const Tick& tick);
 
  private:

@@ -1,4 +1,4 @@
-/// Chance that is the same on every computer.
+/// Random numbers that are the same on every computer.
 #pragma once
 
 #include <cmath>
@@ -7,10 +7,10 @@
 
 namespace baton {
 
-/// Seed of one of many streams: well mixed, so that neighbours have nothing in common.
+/// Seed of one of many random streams, mixed so that neighbouring seeds have nothing in common.
 [[nodiscard]] std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream);
 
-/// Integers at random, and all else from them by arithmetic that is exact.
+/// Random integers, and other values made from them by exact arithmetic.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : engine_(seed) {}

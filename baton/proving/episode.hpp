@@ -1,4 +1,4 @@
-/// A stretch of a soak: a fresh robot, a stick at random, the way back, and judges. It is a function of robot, world,
+/// An episode of a soak: a fresh robot, a random stick, the way back, all of it judged. A function of robot, world,
 /// plant and seed.
 #pragma once
 
@@ -13,14 +13,14 @@
 
 namespace baton {
 
-/// What the episodes of a run have in common.
+/// What the episodes of a soak have in common.
 struct Trial {
   Simulation::On on = Simulation::On::ideal;
   Modes modes{};
   StateSource state = StateSource::sensors;
   std::uint64_t seed = 0;
-  double seconds = 120.0;              ///< each is that long, and then until the robot rests, and a few motions back
-  const Scenario* scenario = nullptr;  ///< in physics: no way back then, but a plant for each
+  double seconds = 120.0;              ///< with the stick; then it comes to rest, and goes a few motions back
+  const Scenario* scenario = nullptr;  ///< in physics, with a plant for each episode; there is no way back then
   double times = 1.0;                  ///< factor on how far that is from the model
   AnswerFaults answers{};              ///< what goes wrong with them, by the seed of each episode
 };

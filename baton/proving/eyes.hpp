@@ -1,4 +1,4 @@
-/// How somebody who stands in the room sees the robot: from outside, with an error.
+/// The robot as a person in the room sees it: from outside, with an error.
 #pragma once
 
 #include <optional>
@@ -33,8 +33,8 @@ class Eyes {
   /// @throws std::logic_error the robot has no truth to be seen
   [[nodiscard]] Sight look(const Operator::View& view);
 
-  /// A look, and where what moves will come to rest by itself, if the last such look is not longer ago than `within`
-  /// [s].
+  /// What is seen, extrapolated to where the robot will come to rest if let go of now; as it is, if the last such look
+  /// was longer ago than `within` [s].
   [[nodiscard]] Sight foresee(const Operator::View& view, double within);
 
  private:

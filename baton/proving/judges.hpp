@@ -1,4 +1,4 @@
-/// What a run is judged by, beside its report: each of these follows it as a sink.
+/// What an episode is judged by, beside its report; each judge is a sink of the run.
 #pragma once
 
 #include <deque>
@@ -30,11 +30,11 @@ class Failures {
   std::set<std::string> kinds_;  ///< what it failed by
 };
 
-/// Judges every tick by the independent checker, if there is one, and by whether it is a number at all.
+/// Checks every tick with the independent checker, if there is one.
 class TickJudge : public Sink {
  public:
   /// Failures and tally must outlive the object.
-  /// @param exact the robot is where its plan is: its truth is judged, and else the plan
+  /// @param exact the robot follows its plan exactly: its truth is checked, else the plan
   TickJudge(std::optional<Checker> checker, bool exact, Failures& failures, Tally& tally)
       : checker_(std::move(checker)), exact_(exact), failures_(&failures), tally_(&tally) {}
 
@@ -53,7 +53,7 @@ class TickJudge : public Sink {
   VecX last_;
 };
 
-/// Notes where the motions that can be retraced began, and judges where those back end.
+/// Records where the motions that can be retraced began, and compares where the motions back end.
 class WayBack : public Sink {
  public:
   /// All must outlive the object.
@@ -85,7 +85,7 @@ class WayBack : public Sink {
   bool part_ = false;            ///< it goes only a part of the way there
 };
 
-/// Notices when nothing but refusals comes, and tells whether the robot is stuck then.
+/// Detects a robot that is stuck: for which no command has a motion.
 class StuckJudge : public Sink {
  public:
   /// All must outlive the object.
@@ -94,9 +94,9 @@ class StuckJudge : public Sink {
 
   void on_plan(const PlanRecord& record) override;
 
-  /// To be called after every tick: at rest, after very many refusals in a row, it tests.
+  /// After every tick: tests once, at rest, after many refusals in a row.
   void look();
-  /// Whether the robot is stuck where it rests next; that is a failure.
+  /// Counts a failure if the robot is stuck where it rests next.
   void test();
 
  private:

@@ -29,7 +29,6 @@ class RoomOperator : public Operator {
   RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait);
   RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait, Parameters parameters);
 
-  /// The stick at this moment, by what is seen of the run.
   [[nodiscard]] Command decide(const View& view) override;
 
   [[nodiscard]] bool done() const { return stage_ == Stage::done; }
@@ -61,12 +60,12 @@ class RoomOperator : public Operator {
   [[nodiscard]] double turn_back(double yaw) const;
   [[nodiscard]] Vec2 place_to_reach_from(const Sight& sight) const;
 
-  /// What is known of the room.
+  /// What it knows of the room.
   struct Room {
     Vec3 door;                  ///< where the hand is to be held
     std::vector<double> edges;  ///< x of the edges to go down, in order [m]
   };
-  /// The deflection that is held until the robot moves.
+  /// A deflection, held until the robot moves.
   struct Deflection {
     bool held = false;
     long moved = 0;      ///< motions before it

@@ -1,5 +1,4 @@
-/// A stick at random: what a hand, a child or a broken device may do to it. The same seed gives the same stick, on
-/// every computer.
+/// A random stick: what a hand, a child or a broken device may do. A function of its seed, the same on every computer.
 #pragma once
 
 #include <array>
@@ -33,16 +32,15 @@ class Stick : public Device {
   /// @param period of a tick [s]
   Stick(std::uint64_t seed, double period);
 
-  /// The command of the next tick. Unless it is pinned, the stick is let go of again and again for a moment, at random
-  /// ticks, as if the device were lost. At any time the stick has been deflected for at least 75 % of it, but for the
-  /// stretch under way.
+  /// The command of the next tick. Unless pinned, the stick is let go of for moments at random, as if the device were
+  /// lost. Up to the current stretch it has been deflected for at least 75 % of the time.
   [[nodiscard]] Command next();
 
-  /// The same: to be read once a tick.
+  /// As `next`; call it once a tick.
   [[nodiscard]] Command read(double /*t*/) override { return next(); }
   [[nodiscard]] DeviceStatus status() const override;
 
-  /// What it belongs to.
+  /// Of the last command.
   [[nodiscard]] Style style() const { return style_; }
 
   /// Whether a command asks for something that can be seen: an axis or the guided foot's lever beyond 1/20.
@@ -71,8 +69,8 @@ class Stick : public Device {
   long deflected_ = 0;
 };
 
-/// What a stick does in the ticks 0 … `ticks` − 1 of a run, as a script that gives the very same commands
-/// (docs/input.md); then a line with the stick let go of.
+/// The commands of a stick in the ticks 0 … `ticks` − 1 of a run as a script (docs/input.md) that gives the very same
+/// commands, and at the end lets go.
 [[nodiscard]] std::string stick_script(Device& stick, double period, long ticks);
 
 }  // namespace baton

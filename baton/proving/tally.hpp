@@ -1,4 +1,4 @@
-/// What many episodes of a soak add up to, and what follows for the rate of failures.
+/// Totals over the episodes of a soak, and the confidence bound for the rate of failures.
 #pragma once
 
 #include <map>

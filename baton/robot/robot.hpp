@@ -9,7 +9,7 @@
 
 namespace baton {
 
-/// What only a simulation knows: for traces and graders, never for control.
+/// What only a simulation knows: for traces, reports and judges, never for control.
 struct Truth {
   double t = 0.0;
   VecX q;               ///< configuration (nq) in the order of the robot's model
@@ -17,7 +17,7 @@ struct Truth {
   BySide<Wrench> sole;  ///< from the ground, in the world, about its origin
   BySide<bool> touch{false, false};
   bool fallen = false;
-  std::string fall;  ///< what made it one
+  std::string fall;  ///< why it counts as fallen
 };
 
 class Robot {
@@ -30,11 +30,11 @@ class Robot {
   /// Where the joints shall be when the tick ends. A simulated robot lives through the tick in this call.
   virtual void write(const JointTarget& target) = 0;
 
-  /// Back to the posture that it began in, as new.
-  /// @throws std::logic_error it cannot, as no robot can that somebody has to carry back
+  /// Back to the start posture, as if newly constructed, random sources included.
+  /// @throws std::logic_error it cannot, like a real robot, which somebody has to carry back
   virtual void reset() { throw std::logic_error("this robot cannot be put back to its start"); }
 
-  /// Null: it has none, as no real robot has. Else for as long as the robot lives, and always of now.
+  /// What a simulation knows, up to date after each `write`; null for a robot that has none, like a real one.
   [[nodiscard]] virtual const Truth* truth() const { return nullptr; }
 };
 

@@ -13,7 +13,7 @@ class Operator {
   struct View {
     double t = 0.0;                ///< [s]
     const Navigator& navigator;    ///< as the last tick left it
-    const Truth* truth = nullptr;  ///< of the robot, from outside; null: it has none
+    const Truth* truth = nullptr;  ///< of the robot, seen from outside; null if it has none
   };
 
   virtual ~Operator() = default;

@@ -23,16 +23,16 @@ class Planning {
   /// Hands in a request; only while it is idle.
   virtual void post(Request request) = 0;
 
-  /// The answer, once it is there; it is idle from then on. Called in each tick, before a request is posted and after.
-  /// @param tick counted from the start of the run
+  /// The answer, once it is there; idle from then on. Called in every tick, before a request is posted and after it.
+  /// @param tick since the start of the run
   /// @throws what planning threw
   [[nodiscard]] virtual std::optional<Reply> poll(long tick) = 0;
 
-  /// Drops the request under way, if there is one: idle from then on, and as new.
+  /// Drops the request under way, if any: idle from then on, as if newly constructed.
   virtual void reset() = 0;
 };
 
-/// On the spot: `post` returns when the answer is there.
+/// Plans on the spot: `post` returns when the answer is there.
 class DirectPlanning : public Planning {
  public:
   /// Robot and world must outlive the object.

@@ -1,5 +1,5 @@
-/// A run: the one loop for every robot, be it ideal, simulated or real. Tick by tick it reads the robot, lets the
-/// navigator decide, writes the joint targets, and sees to the planning.
+/// The one loop for every robot, ideal, simulated or real. Each tick it reads the robot, runs the navigator, writes the
+/// joint targets, and then exchanges requests and answers with the planner.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ class Session {
     Planning* planning = nullptr;               ///< by the same modes; null: on the spot, within the tick
   };
 
-  /// All that is given must outlive the object.
+  /// All arguments but the posture must outlive the object.
   /// @param start posture that the robot stands in, at rest, in the world
   /// @throws InputError the robot has not the sensors that its state is to come from
   Session(const RobotModel& model, const World& world, Robot& robot, const Posture& start)
@@ -29,17 +29,15 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// From now on the sink is told of everything, as long as there are steps. Sinks are called in the order in which
-  /// they were added.
+  /// Adds a sink, which must outlive the last step. Sinks are called in the order in which they were added.
   void add(Sink& sink) { sinks_.push_back(&sink); }
 
-  /// Lives through one tick with this command, or with the one that the operator decides on.
+  /// Runs one tick, with this command or with the one that the operator decides on.
   void step(const Command& command);
   void step(Operator& who) { step(who.decide(view())); }
 
-  /// Back to the start, with an empty history; what follows is what follows in a new session, bit by bit, if the
-  /// operator begins anew as well. Sinks stay.
-  /// @throws std::logic_error the robot cannot be put back; nothing has changed then
+  /// Back to the start: from here on the same commands give the same run, bit by bit, as in a new session. Sinks stay.
+  /// @throws std::logic_error the robot cannot be reset; the session is unchanged then
   void reset();
 
   /// What an operator may see now.
@@ -47,19 +45,18 @@ class Session {
 
   [[nodiscard]] double t() const { return static_cast<double>(ticks_) * model_->profile().tick.period; }
   [[nodiscard]] bool resting() const { return navigator_->motion() == nullptr; }
-  /// Whether the robot has fallen by its truth. One that has none is never said to have: see Navigator::guard().
+  /// Whether the robot has fallen, by its truth. Without truth always false: see Navigator::guard().
   [[nodiscard]] bool fallen() const { return truth() != nullptr && truth()->fallen; }
   [[nodiscard]] const RobotModel& model() const { return *model_; }
   [[nodiscard]] const World& world() const { return *world_; }
   [[nodiscard]] const Navigator& navigator() const { return *navigator_; }
-  /// Null: the robot has none.
+  /// Null if the robot has none.
   [[nodiscard]] const Truth* truth() const { return robot_->truth(); }
 
  private:
-  /// Asks the planner for what is due, if it is free, and hands in what it has answered.
+  /// Hands in the planner's answer, if there is one; posts the request that is due, if the planner is free.
   void plan();
   void hand_in();
-  /// Begins at the start.
   void begin();
 
   const RobotModel* model_;

@@ -12,12 +12,12 @@ namespace baton {
 
 class Simulation {
  public:
-  /// sim: physics; ideal: joints do what they are told.
+  /// sim: in physics; ideal: joints go exactly where they are told.
   enum class On { sim, ideal };
 
   struct Parameters {
-    std::optional<Posture> start{};        ///< in the world; none: it stands at the world's site `start`
-    SimulatedRobot::Parameters physics{};  ///< of a robot on `sim`
+    std::optional<Posture> start{};        ///< in the world; default: standing at the world's site `start`
+    SimulatedRobot::Parameters physics{};  ///< for `sim`
     Session::Parameters session{};
   };
 
@@ -28,11 +28,10 @@ class Simulation {
 
   [[nodiscard]] Session& session() { return *session_; }
   [[nodiscard]] const Session& session() const { return *session_; }
-  /// What the robot's simulator knows.
   [[nodiscard]] const Truth& truth() const { return *robot_->truth(); }
   /// Robot and world in one model, as MJCF text: what is stepped on `sim`.
   [[nodiscard]] const std::string& model_text() const { return model_text_; }
-  /// The robot in physics; null on `ideal`.
+  /// Null on `ideal`.
   [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
 
  private:

@@ -1,4 +1,4 @@
-/// Port for everything that follows a run: traces, reports, recordings, judges.
+/// Port for everything that observes a run: traces, reports, recordings, judges.
 #pragma once
 
 #include <functional>
@@ -10,17 +10,17 @@ namespace baton {
 
 /// One tick: the state before the target of this tick is written.
 struct TickRecord {
-  double t = 0.0;  ///< at its beginning [s]
+  double t = 0.0;  ///< at the beginning of the tick [s]
   const Navigator& navigator;
   const Measurement& measurement;
-  const Truth* truth;  ///< null: the robot has none
+  const Truth* truth;  ///< null if the robot has none
   const JointTarget& target;
   double tick_us = 0.0;  ///< CPU time of Navigator::tick [µs]
 };
 
-/// One answer of the planner, as it is handed in.
+/// One answer of the planner.
 struct PlanRecord {
-  double t = 0.0;  ///< of that [s]
+  double t = 0.0;  ///< when it is handed to the navigator [s]
   const Request& request;
   const Answer& result;
   double plan_us = 0.0;  ///< CPU time of planning it [µs]
@@ -38,7 +38,7 @@ class Sink {
   virtual void on_event(PlanningEvent /*event*/) {}
 };
 
-/// A sink made of functions; one that is empty is left out.
+/// A sink made of functions; empty ones are skipped.
 class Hooks : public Sink {
  public:
   std::function<void(const TickRecord&)> tick;
