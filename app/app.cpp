@@ -137,10 +137,11 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--port", o.port, "Port of the page; 0: any that is free")
       ->capture_default_str()
       ->transform(whole(0, 65535));
-  command.add_option("--trace", o.trace, "Write every tick to this .csv file");
-  command.add_option("--save-model", o.save_model, "Write the model that is stepped to this .xml file");
-  command.add_option("--report", o.report, "Write the run in numbers to this .json file");
-  command.add_option("--record", o.record, "Write all that is needed to live through the run again, for baton replay");
+  command.add_option("--trace", o.files.trace, "Write every tick to this .csv file");
+  command.add_option("--save-model", o.files.save_model, "Write the model that is stepped to this .xml file");
+  command.add_option("--report", o.files.report, "Write the run in numbers to this .json file");
+  command.add_option("--record", o.files.record,
+                     "Write all that is needed to live through the run again, for baton replay");
 }
 
 void add_soak(CLI::App& command, SoakOptions& o) {

@@ -31,6 +31,14 @@ struct AnswerOptions {
   double loss = 0.0;      ///< share of them that never comes
 };
 
+/// What `drive` writes.
+struct FileOptions {
+  std::optional<std::filesystem::path> trace;
+  std::optional<std::filesystem::path> save_model;
+  std::optional<std::filesystem::path> record;
+  std::optional<std::filesystem::path> report;
+};
+
 struct DriveOptions {
   std::string robot = "mighty";
   std::string world = "room";
@@ -44,10 +52,7 @@ struct DriveOptions {
   bool headless = false;
   bool fast = false;
   int port = 8080;
-  std::optional<std::filesystem::path> trace;
-  std::optional<std::filesystem::path> save_model;
-  std::optional<std::filesystem::path> record;
-  std::optional<std::filesystem::path> report;
+  FileOptions files;
 };
 
 struct PlanOptions {

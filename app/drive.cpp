@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -11,10 +12,11 @@
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/inputs.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
-#include "app/session.hpp"
 #include "app/view.hpp"
 #include "baton/model/error.hpp"
+#include "baton/run/planning_thread.hpp"
 
 namespace baton::app {
 namespace {
@@ -36,15 +38,21 @@ void say_what_leads_out(const Stuck& stuck) {
 }
 
 /// Shows how the robot fell until every page is left for good, or the program is interrupted.
-void show_fall(View& view, const Session& session, const Inputs& inputs, const Refusals& refusals) {
+void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, const Refusals& refusals) {
   if (view.pages() == 0) return;
   spdlog::info("the page shows the fall; to end, leave the page or press Ctrl-C");
   Clock::time_point seen = Clock::now();
   while (!interrupted && Clock::now() - seen < kReload) {
     if (view.pages() > 0) seen = Clock::now();
-    view.show(session, inputs.status(), refusals);
+    view.show(simulation, inputs.status(), refusals);
     std::this_thread::sleep_for(kFrame);
   }
+}
+
+/// @param live answers come when they are ready, and are dropped if that is too late; else at once
+std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world, Modes modes, bool live) {
+  if (live) return std::make_unique<PlanningThread>(robot, world, modes);
+  return std::make_unique<DirectPlanning>(robot, world, modes);
 }
 
 }  // namespace
@@ -56,16 +64,24 @@ int drive(const DriveOptions& o) {
   Inputs inputs(o.input, o.fast);
   if (o.input == "page" && (o.headless || o.fast))
     throw InputError("--input page needs the page: leave out --headless and --fast");
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, std::nullopt,
-                  parameters_of(o.physics, robot, o.on, o.seed), modes_of(o.modes), state_named(o.physics.state));
+  const double period = robot.profile().tick.period;
+  const std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !o.fast);
+  FaultyPlanning planning(*planner, faults_of(o.answers), period, static_cast<std::uint64_t>(o.seed));
+  Simulation simulation(robot, world, on_named(o.on),
+                        {.physics = parameters_of(o.physics, robot, o.on, o.seed),
+                         .session = {modes_of(o.modes), state_named(o.physics.state), &planning}});
+  Session& session = simulation.session();
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
-  check_distinct({{"--report", o.report}, {"--trace", o.trace}, {"--save-model", o.save_model}, {"--record", o.record}},
+  check_distinct({{"--report", o.files.report},
+                  {"--trace", o.files.trace},
+                  {"--save-model", o.files.save_model},
+                  {"--record", o.files.record}},
                  read);
-  Outputs outputs(robot, session, o.report, o.trace, o.save_model);
+  Outputs outputs(simulation, o.files.report, o.files.trace, o.files.save_model);
 
-  if (o.record) {
-    outputs.record(session, *o.record,
+  if (o.files.record) {
+    outputs.record(session, *o.files.record,
                    {{"robot", o.robot},
                     {"world", o.world},
                     {"on", o.on},
@@ -76,13 +92,11 @@ int drive(const DriveOptions& o) {
                     {"state", o.physics.state},
                     {"drive", std::string(to_string(robot.profile().drive))}});
   }
-  if (!o.fast) session.plan_on_a_thread();
-  session.spoil_answers(faults_of(o.answers, static_cast<std::uint64_t>(o.seed)));
 
   std::optional<View> view;
   if (!o.headless && !o.fast) {
     try {
-      view.emplace(session, o.port);
+      view.emplace(simulation, o.port);
     } catch (const InputError& error) {
       throw InputError(fmt::format("--port {}: {}", o.port, error.what()));
     }
@@ -95,7 +109,6 @@ int drive(const DriveOptions& o) {
   long late = 0;
   const Clock::time_point start = Clock::now();
   double began = 0.0;
-  const double period = robot.profile().tick.period;
   bool stopping = false;
   bool stuck = false;
   Refusals refusals;
@@ -110,9 +123,13 @@ int drive(const DriveOptions& o) {
       if (session.t() > 0.0) interval.add(1e6 * (now - began));
       began = now;
     }
-    session.step(stopping ? Command{} : inputs.read(session.t()));
+    if (stopping) {
+      session.step(Command{});
+    } else {
+      session.step(inputs);
+    }
     refusals.look(session.navigator());
-    if (view) view->show(session, inputs.status(), refusals);
+    if (view) view->show(simulation, inputs.status(), refusals);
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
@@ -144,7 +161,7 @@ int drive(const DriveOptions& o) {
     fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
                world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
                summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
-               session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
+               session.fallen() ? "fallen: " + simulation.truth().fall : "on its feet");
     std::fflush(stdout);
   };
   if (!session.fallen()) {
@@ -156,7 +173,7 @@ int drive(const DriveOptions& o) {
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());  // a fall is shown, and is what the run ends with, all the same
   }
-  if (view) show_fall(*view, session, inputs, refusals);
+  if (view) show_fall(*view, simulation, inputs, refusals);
   return kFallen;
 }
 

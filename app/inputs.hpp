@@ -23,7 +23,7 @@ auto named_in(const std::string& place, const Load& load) {
   }
 }
 
-class Inputs {
+class Inputs : public Device {
  public:
   /// @param choice auto, joystick, page or script:FILE
   /// @param fast the run does not wait for the clock, and so not for a joystick to be plugged in
@@ -38,9 +38,9 @@ class Inputs {
 
   /// The newest command of the device that counts: the armed one that is in use, until it rests and another is not.
   /// After a stop, what a live device still holds moves nothing until it has been let go of once.
-  [[nodiscard]] Command read(double t);
+  [[nodiscard]] Command read(double t) override;
 
-  [[nodiscard]] DeviceStatus status() const;
+  [[nodiscard]] DeviceStatus status() const override;
 
  private:
   std::string choice_;

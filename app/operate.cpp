@@ -5,9 +5,11 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
-#include "app/operator.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/input/script.hpp"
+#include "baton/proving/room_operator.hpp"
 
 namespace baton::app {
 
@@ -26,11 +28,14 @@ int operate(const OperateOptions& o) {
   }
   const Posture posture = stand(robot, start, robot.profile().stance.com_height);
 
-  Session session(robot, world, o.on == "sim" ? Session::On::sim : Session::On::ideal, posture,
-                  parameters_of(o.physics, robot, o.on, o.seed), modes_of(o.modes), state_named(o.physics.state));
+  Simulation simulation(robot, world, on_named(o.on),
+                        {.start = posture,
+                         .physics = parameters_of(o.physics, robot, o.on, o.seed),
+                         .session = {modes_of(o.modes), state_named(o.physics.state)}});
+  Session& session = simulation.session();
   check_distinct({{"--report", o.report}, {"--trace", o.trace}, {"--script", o.script}},
                  files_read(o.robot, robot, world));
-  Outputs outputs(robot, session, o.report, o.trace, std::nullopt);
+  Outputs outputs(simulation, o.report, o.trace, std::nullopt);
   std::optional<std::ofstream> script;
   if (o.script) script = open_stream(*o.script, "--script");
   RoomOperator::Parameters parameters;
@@ -47,7 +52,7 @@ int operate(const OperateOptions& o) {
   const double period = robot.profile().tick.period;
   const auto wall = std::chrono::steady_clock::now();
   while (session.t() < o.seconds && !person.done() && !session.fallen() && !interrupted) {
-    const Command command = person.decide(session);
+    const Command command = person.decide(session.view());
     if (person.doing() != doing) {
       doing = person.doing();
       spdlog::info("{:6.1f} s: the operator {}", session.t(), doing);
@@ -62,7 +67,7 @@ int operate(const OperateOptions& o) {
                     to_string(refusal->reason), place(*refusal), refusal->value, refusal->limit);
     }
     refused = refusal != nullptr;
-    kinematics.set(session.truth().q);
+    kinematics.set(simulation.truth().q);
     error = (kinematics.hand(Side::left).p - door).norm();
     held = error < kReached ? held + period : 0.0;
     best = std::max(best, held);
@@ -72,7 +77,7 @@ int operate(const OperateOptions& o) {
   outputs.write(world.name(), o.on, o.seed, seconds_since(wall), extra);
   if (script) close_stream(*script, *o.script, "--script");
   fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached",
-             session.t(), 1e3 * error, session.fallen() ? "fallen: " + session.truth().fall : "on its feet");
+             session.t(), 1e3 * error, session.fallen() ? "fallen: " + simulation.truth().fall : "on its feet");
   if (session.fallen()) return kFallen;
   return reached ? kDone : kFailed;
 }

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "baton/model/error.hpp"
 
 namespace baton::app {
@@ -50,40 +48,22 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
   }
 }
 
-std::string script_line(double t, const Command& command) {
-  const auto number = [](double value) -> std::string {
-    if (std::isnan(value)) return "null";
-    if (std::isinf(value)) return value > 0.0 ? "1e308" : "-1e308";
-    return value == 0.0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
-  };
-  std::string axes;
-  for (const double axis : command.axes)
-    axes += (axes.empty() ? "" : ", ") + number(axis);
-  const char* recall = command.recall == Recall::retrace ? R"(, "retrace": true)"
-                       : command.recall == Recall::home  ? R"(, "home": true)"
-                       : command.recall == Recall::stop  ? R"(, "stop": true)"
-                                                         : "";
-  return fmt::format(R"({{"t": {}, "guide": "{}", "axes": [{}], "lift": [{}, {}]{}}})", number(t),
-                     to_string(command.guide), axes, number(command.lift.left), number(command.lift.right), recall);
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Outputs::Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
+Outputs::Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,
                  const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model)
-    : report_(robot) {
+    : report_(simulation.session().model()) {
+  Session& session = simulation.session();
   if (report) report_file_.emplace(*report, "--report");
-  if (model) write_whole(*model, "--save-model", session.model_text());
-  if (trace) trace_.emplace(robot, *trace);
-  session.on_tick = [this](const TickRecord& record) {
-    report_.add(record);
-    if (trace_) trace_->add(record);
-    if (recording_) recording_->add(record, record.truth.fallen);
-  };
-  session.on_plan = [this](const PlanRecord& record) { report_.add(record); };
+  if (model) write_whole(*model, "--save-model", simulation.model_text());
+  session.add(report_);
+  if (trace) session.add(trace_.emplace(session.model(), *trace));
 }
 
 void Outputs::record(Session& session, const std::filesystem::path& file, const nlohmann::json& head) {
-  recording_.emplace(file, head);
-  session.on_event = [this](PlanningEvent event) { recording_->add(event); };
+  session.add(recording_.emplace(file, head));
 }
 
 nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed, double wall,

@@ -1,16 +1,18 @@
 /// What a run writes: trace, report and model, opened before it begins so that nothing is lost after it.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/session.hpp"
 #include "baton/record/output_file.hpp"
+#include "baton/record/recording.hpp"
 #include "baton/record/report.hpp"
 #include "baton/record/trace.hpp"
+#include "baton/run/simulation.hpp"
 
 namespace baton::app {
 
@@ -35,16 +37,15 @@ void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<Nam
 /// @throws InputError it cannot be made; the message names `option`
 void make_folder(const std::filesystem::path& folder, const std::string& option);
 
-/// A command as a line of a stick script that gives the very same command; infinities become large numbers, which count
-/// alike.
-[[nodiscard]] std::string script_line(double t, const Command& command);
+/// Wall-clock time [s].
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
 class Outputs {
  public:
-  /// Records `session` from now on.
+  /// Observes the run from now on; it must not be stepped after the object is gone.
   /// @throws InputError a file cannot be written
   /// @throws std::runtime_error the model could not be written whole
-  Outputs(const RobotModel& robot, Session& session, const std::optional<std::filesystem::path>& report,
+  Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
   /// Records the run besides, for `baton replay`.

@@ -5,11 +5,12 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
-#include "app/session.hpp"
 #include "baton/input/script.hpp"
 #include "baton/record/motion_file.hpp"
 #include "baton/record/plan_json.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 
@@ -17,11 +18,13 @@ int plan(const PlanOptions& o) {
   const RobotModel robot = RobotModel::load(o.robot);
   const World world = World::load(o.world);
   Script script = Script::load(o.script, interrupted);
-  Session session(robot, world, Session::On::ideal, std::nullopt, {}, modes_of(o.modes));
+  Simulation simulation(robot, world, Simulation::On::ideal, {.session = {.modes = modes_of(o.modes)}});
+  Session& session = simulation.session();
   if (o.out) make_folder(*o.out, "--out");
   nlohmann::json segments = nlohmann::json::array();
   int motions = 0;
-  session.on_plan = [&](const PlanRecord& record) {
+  Hooks hooks;
+  hooks.plan = [&](const PlanRecord& record) {
     const double t = static_cast<double>(record.request.at) * robot.profile().tick.period;
     nlohmann::json entry = {{"t", t}, {"guide", to_string(record.request.command.guide)}};
     if (const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome)) {
@@ -40,6 +43,7 @@ int plan(const PlanOptions& o) {
     }
     segments.push_back(std::move(entry));
   };
+  session.add(hooks);
   const double end = script.duration() + o.seconds;
   while ((session.t() < end && !interrupted) || !session.resting()) {
     Command command = script.read(session.t());

@@ -7,9 +7,10 @@
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/inputs.hpp"
-#include "app/session.hpp"
+#include "app/options.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/record/recording.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 namespace {

@@ -9,12 +9,12 @@
 #include "app/commands.hpp"
 #include "app/outputs.hpp"
 #include "app/reproduce.hpp"
-#include "app/session.hpp"
 #include "baton/input/script.hpp"
 #include "baton/model/contact.hpp"
 #include "baton/model/input_file.hpp"
 #include "baton/record/picture.hpp"
 #include "baton/record/plot.hpp"
+#include "baton/run/session.hpp"
 
 namespace baton::app {
 namespace {
@@ -96,11 +96,13 @@ int reproduce_room(const std::filesystem::path& out) {
   const std::filesystem::path script_file = share_dir() / "worlds" / "room.jsonl";
   Script script = Script::load(script_file);
   const Vec3 door = world.site("door_B").p;
-  Session session(robot, world, Session::On::sim);
-  Outputs outputs(robot, session, out / "room_report.json", out / "room.csv", out / "room.xml");
+  Simulation simulation(robot, world, Simulation::On::sim);
+  Session& session = simulation.session();
+  Outputs outputs(simulation, out / "room_report.json", out / "room.csv", out / "room.xml");
   write_whole(out / "room.jsonl", "--out", read_input(script_file, "script"));
-  SimulatedRobot& body = *session.simulated();
-  const ModelPtr drawn = compile_text(session.model_text(), "scene");  // the simulator's has nothing that is only seen
+  SimulatedRobot& body = *simulation.simulated();
+  const ModelPtr drawn =
+      compile_text(simulation.model_text(), "scene");  // the simulator's has nothing that is only seen
   Picture picture(*drawn, 640, 480);
 
   Kinematics kinematics(robot);
@@ -116,8 +118,8 @@ int reproduce_room(const std::filesystem::path& out) {
   const auto wall = std::chrono::steady_clock::now();
   long tick = 0;
   while (session.t() < duration && !session.fallen() && !interrupted) {
-    session.step(script.read(session.t()));
-    kinematics.set(session.truth().q);
+    session.step(script);
+    kinematics.set(simulation.truth().q);
     error = (kinematics.hand(Side::left).p - door).norm();
     held = error < kReached ? held + robot.profile().tick.period : 0.0;
     longest = std::max(longest, held);

@@ -6,13 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
+#include "app/commands.hpp"
 #include "app/outputs.hpp"
 #include "app/reproduce.hpp"
-#include "app/session.hpp"
-#include "app/stick.hpp"
 #include "baton/input/script.hpp"
+#include "baton/proving/dice.hpp"
 #include "baton/record/plot.hpp"
 #include "baton/record/report.hpp"
+#include "baton/run/simulation.hpp"
 
 namespace baton::app {
 namespace {
@@ -91,25 +92,27 @@ struct Outcome {
 };
 
 Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
-  Session session(robot, world, Session::On::sim);
+  Simulation simulation(robot, world, Simulation::On::sim);
+  Session& session = simulation.session();
   Report report(robot);
   Kinematics kinematics(robot);
   Outcome outcome;
-  session.on_tick = [&](const TickRecord& record) {
-    report.add(record);
+  Hooks hooks;
+  hooks.tick = [&](const TickRecord& record) {
     const Navigator& navigator = record.navigator;
     if (navigator.motion() == nullptr) return;  // at rest it forgets where it was to be
     kinematics.set(navigator.sample().q);
     const Pose led{navigator.way() * kinematics.com(), navigator.way().R * kinematics.trunk().R};
-    kinematics.set(record.truth.q);
+    kinematics.set(record.truth->q);
     outcome.path.push_back(kinematics.com().head<2>());
     outcome.led.push_back(led.p.head<2>());
     outcome.off = (outcome.path.back() - outcome.led.back()).norm();
     outcome.turned = std::abs(wrap_angle(yaw_of(kinematics.trunk().R) - yaw_of(led.R)));
   };
-  session.on_plan = [&](const PlanRecord& record) { report.add(record); };
+  session.add(report);
+  session.add(hooks);
   while (session.t() < kBefore + kWalks + kAfter && !session.fallen() && !interrupted)
-    session.step(script.read(session.t()));
+    session.step(script);
   outcome.report = report.json(world.name(), "sim", 0, 0.0);
   return outcome;
 }

@@ -6,12 +6,13 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
-#include "app/crew.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "app/soak.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
+#include "baton/proving/crew.hpp"
 #include "baton/record/output_file.hpp"
 
 namespace baton::app {
@@ -39,7 +40,7 @@ class SoakReport {
                {"drive", std::string(to_string(robot.profile().drive))},
                {"answer_delay_ms", o.answers.delay_ms},
                {"answer_loss", o.answers.loss},
-               {"episode_s", o.episode.value_or(Course{}.seconds)}}),
+               {"episode_s", o.episode.value_or(Trial{}.seconds)}}),
         period_(robot.profile().tick.period) {}
 
   /// Goes on from the file, if there is one.
@@ -130,7 +131,7 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
   if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
-  if (o.physics.scenario || faults_of(o.answers, 0).any()) physics += fmt::format(" --seed {}", seed);
+  if (o.physics.scenario || faults_of(o.answers).any()) physics += fmt::format(" --seed {}", seed);
   fmt::print(
       "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
       "--seconds {:.3f}\n",
@@ -145,14 +146,14 @@ int soak(const SoakOptions& o) {
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
   const RobotModel robot = load_robot(o.robot, o.physics.drive);
   const World world = World::load(o.world);
-  Course course;
-  course.on = o.on == "sim" ? Session::On::sim : Session::On::ideal;
-  course.modes = modes_of(o.modes);
-  course.state = state_named(o.physics.state);
-  course.seed = static_cast<std::uint64_t>(o.seed);
-  course.seconds = o.episode.value_or(course.seconds);
-  course.answers = o.answers;
-  const Episodes episodes(robot, world, course);
+  Trial trial;
+  trial.on = on_named(o.on);
+  trial.modes = modes_of(o.modes);
+  trial.state = state_named(o.physics.state);
+  trial.seed = static_cast<std::uint64_t>(o.seed);
+  trial.seconds = o.episode.value_or(trial.seconds);
+  trial.answers = faults_of(o.answers);
+  const Episodes episodes(robot, world, trial);
   check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/commands.hpp"
-#include "app/episode.hpp"
+#include "baton/proving/episode.hpp"
 
 namespace baton::app {
 

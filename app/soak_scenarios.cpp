@@ -5,10 +5,11 @@
 #include <cmath>
 
 #include "app/app.hpp"
-#include "app/crew.hpp"
+#include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "app/soak.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/crew.hpp"
 #include "baton/record/output_file.hpp"
 
 namespace baton::app {
@@ -118,16 +119,16 @@ int soak_scenarios(const SoakOptions& o) {
     one.physics.scenario = std::string(scenario.name);
     one.on = "sim";
     const RobotModel robot = robot_in(one.physics, o.robot);
-    Course course;
-    course.on = Session::On::sim;
-    course.modes = modes_of(o.modes);
-    course.state = state_named(o.physics.state);
-    course.seed = static_cast<std::uint64_t>(o.seed);
-    course.seconds = o.episode.value_or(scenario.seconds);
-    course.scenario = &scenario;
-    course.times = o.physics.times;
-    course.answers = o.answers;
-    const Episodes episodes(robot, world, course);
+    Trial trial;
+    trial.on = Simulation::On::sim;
+    trial.modes = modes_of(o.modes);
+    trial.state = state_named(o.physics.state);
+    trial.seed = static_cast<std::uint64_t>(o.seed);
+    trial.seconds = o.episode.value_or(scenario.seconds);
+    trial.scenario = &scenario;
+    trial.times = o.physics.times;
+    trial.answers = faults_of(o.answers);
+    const Episodes episodes(robot, world, trial);
     check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
     const double period = robot.profile().tick.period;
     Row row;

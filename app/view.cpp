@@ -24,8 +24,8 @@ Activity activity(const Session& session) {
   return purpose == Purpose::retrace || purpose == Purpose::home ? Activity::retracing : Activity::moving;
 }
 
-View::View(const Session& session, int port)
-    : scene_(compile_text(session.model_text(), "scene")),
+View::View(const Simulation& simulation, int port)
+    : scene_(compile_text(simulation.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
       cockpit_(
           [&] {
@@ -34,9 +34,10 @@ View::View(const Session& session, int port)
             parameters.page = share_dir() / "web" / "dist";
             return parameters;
           }(),
-          session.robot(), session.world().name(), *scene_) {}
+          simulation.session().model(), simulation.session().world().name(), *scene_) {}
 
-void View::show(const Session& session, const DeviceStatus& device, const Refusals& refusals) {
+void View::show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals) {
+  const Session& session = simulation.session();
   const Navigator& nav = session.navigator();
   if (nav.segment() != segment_) {
     segment_ = nav.segment();
@@ -45,7 +46,7 @@ void View::show(const Session& session, const DeviceStatus& device, const Refusa
   if (session.t() - shown_ < 1.0 / 30.0 && !session.fallen()) return;
   shown_ = session.t();
 
-  const Truth& truth = session.truth();
+  const Truth& truth = simulation.truth();
   mju_copy(data_->qpos, truth.q.data(), scene_->nq);
   mj_kinematics(scene_.get(), data_.get());
   mj_comPos(scene_.get(), data_.get());
@@ -74,10 +75,10 @@ void View::show(const Session& session, const DeviceStatus& device, const Refusa
   const BySide<Pose> sole{anchor * plan.sole.left, anchor * plan.sole.right};
   frame.balance.support_height = plan.zmp_height + anchor.p.z();
   frame.balance.support =
-      support_polygon(session.robot(), sole, plan.contact, anchor * plan.com, frame.balance.support_height);
+      support_polygon(session.model(), sole, plan.contact, anchor * plan.com, frame.balance.support_height);
   frame.balance.com = Eigen::Map<const Vec3>(data_->subtree_com);
   frame.balance.zmp = measured_zmp(truth, frame.balance.support_height);
-  frame.balance.dcm = (anchor * nav.state().dcm(session.robot().omega())).head<2>();
+  frame.balance.dcm = (anchor * nav.state().dcm(session.model().omega())).head<2>();
   frame.refusal = refusals.newest();
   frame.refusals = refusals.count();
   frame.stuck = refusals.stuck();

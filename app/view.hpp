@@ -4,15 +4,15 @@
 #include <string>
 
 #include "app/refusals.hpp"
-#include "app/session.hpp"
 #include "baton/cockpit/cockpit.hpp"
+#include "baton/run/simulation.hpp"
 
 namespace baton::app {
 
 class View {
  public:
   /// @throws InputError the port is in use
-  View(const Session& session, int port);
+  View(const Simulation& simulation, int port);
 
   [[nodiscard]] std::string url() const { return cockpit_.url(); }
   [[nodiscard]] Device& device() { return cockpit_.device(); }
@@ -21,7 +21,7 @@ class View {
   [[nodiscard]] std::size_t pages() const { return cockpit_.pages(); }
 
   /// Shows the present moment, at most 30 times a second of the run.
-  void show(const Session& session, const DeviceStatus& device, const Refusals& refusals);
+  void show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals);
 
  private:
   ModelPtr scene_;

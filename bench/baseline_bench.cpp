@@ -1,8 +1,8 @@
 // The same random sticks for velocity tracking and for baton: which goes bankrupt, after how long, and why.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/run/simulation.hpp"
 #include "bench/bench.hpp"
 #include "bench/judge.hpp"
 #include "bench/parallel.hpp"
@@ -37,14 +37,17 @@ Verdict run_tracking(const RobotModel& robot, const Posture& start, VelocityTrac
 }
 
 Verdict run_baton(const RobotModel& robot, const World& world, std::uint64_t seed) {
-  app::Session session(robot, world, app::Session::On::ideal);
+  Simulation simulation(robot, world, Simulation::On::ideal);
+  Session& session = simulation.session();
+  Hooks hooks;
+  session.add(hooks);
   Judge judge(robot);
   Verdict verdict;
-  session.on_tick = [&](const TickRecord& record) {
+  hooks.tick = [&](const TickRecord& record) {
     const MotionSample& sample = record.navigator.sample();
     const Pose& anchor = record.navigator.anchor();
     const std::optional<Cause> cause = judge.see(
-        record.truth.q, {anchor * sample.sole.left, anchor * sample.sole.right}, anchor * sample.com, sample.contact);
+        record.truth->q, {anchor * sample.sole.left, anchor * sample.sole.right}, anchor * sample.com, sample.contact);
     if (cause && !verdict) verdict = Bankruptcy{record.t, *cause};
   };
   for (const Stretch& stretch : random_script(seed, kSeconds)) {

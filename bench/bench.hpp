@@ -4,20 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
-namespace baton::bench {
+#include "baton/run/cpu_time.hpp"
 
-/// Of this thread [µs].
-inline double cpu_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
+namespace baton::bench {
 
 struct Row {
   std::string name;

@@ -1,9 +1,9 @@
 // Inverse kinematics on a walk and a reach, as the planner realises them: one solve a tick.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
 #include "baton/ik/inverse_kinematics.hpp"
 #include "baton/plan/segment.hpp"
+#include "baton/run/simulation.hpp"
 #include "bench/bench.hpp"
 
 namespace baton::bench {
@@ -11,13 +11,16 @@ namespace baton::bench {
 Rows bench_ik(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
-  app::Session session(robot, world, app::Session::On::ideal);
+  Simulation simulation(robot, world, Simulation::On::ideal);
+  Session& session = simulation.session();
+  Hooks hooks;
+  session.add(hooks);
   struct Recorded {
     Posture from;
     VerifiedMotion motion;
   };
   std::vector<Recorded> recorded;
-  session.on_plan = [&](const PlanRecord& record) {
+  hooks.plan = [&](const PlanRecord& record) {
     if (const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome)) {
       recorded.push_back({record.request.start.posture, planned->motion});
     }

@@ -1,7 +1,7 @@
 // Whole runs: a tick of the navigator, a whole planning request, and physics with control against real time.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
+#include "baton/run/simulation.hpp"
 #include "bench/bench.hpp"
 
 namespace baton::bench {
@@ -9,11 +9,14 @@ namespace baton::bench {
 Rows bench_run(const Options& /*unused*/) {
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("room");
-  app::Session session(robot, world, app::Session::On::sim);
+  Simulation simulation(robot, world, Simulation::On::sim);
+  Session& session = simulation.session();
+  Hooks hooks;
+  session.add(hooks);
   Row tick{"navigate: a tick", {}, ""};
   Row plan{"plan: a committed segment, verified whole", {}, "guide, durations, ik and verification at every tick"};
-  session.on_tick = [&](const TickRecord& record) { tick.values.push_back(record.tick_us); };
-  session.on_plan = [&](const PlanRecord& record) {
+  hooks.tick = [&](const TickRecord& record) { tick.values.push_back(record.tick_us); };
+  hooks.plan = [&](const PlanRecord& record) {
     if (std::holds_alternative<PlannedMotion>(record.result.outcome)) plan.values.push_back(record.plan_us);
   };
   const double before = cpu_us();

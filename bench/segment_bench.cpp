@@ -2,7 +2,7 @@
 // verified, by both rules for its duration. The segments are those of random sticks on `ideal`.
 #include <fmt/format.h>
 
-#include "app/session.hpp"
+#include "baton/run/simulation.hpp"
 #include "bench/bench.hpp"
 #include "bench/scripts.hpp"
 
@@ -22,8 +22,11 @@ Rows bench_segment(const Options& /*unused*/) {
     double tried = 0.0;
     constexpr int kScripts = 4;
     for (std::uint64_t seed = 1; seed <= kScripts; ++seed) {
-      app::Session session(robot, world, app::Session::On::ideal, std::nullopt, {}, Modes{rule, OnLimit::shrink});
-      session.on_plan = [&](const PlanRecord& record) {
+      Simulation simulation(robot, world, Simulation::On::ideal, {.session = {.modes = {rule, OnLimit::shrink}}});
+      Session& session = simulation.session();
+      Hooks hooks;
+      session.add(hooks);
+      hooks.plan = [&](const PlanRecord& record) {
         const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome);
         if (planned == nullptr) return;
         request.values.push_back(record.plan_us);

@@ -1,9 +1,10 @@
-/// Port for everything that an operator holds: joystick, pad, keys in the page, script.
+/// Port for everything that an operator holds: joystick, pad, keys in the page, script. Of the run it knows only the
+/// time.
 #pragma once
 
 #include <string>
 
-#include "baton/guide/command.hpp"
+#include "baton/run/operator.hpp"
 
 namespace baton {
 
@@ -15,15 +16,15 @@ struct DeviceStatus {
   std::string hint;        ///< what the operator has to do for that, one short sentence; empty if nothing
 };
 
-class Device {
+class Device : public Operator {
  public:
-  virtual ~Device() = default;
-
   /// The newest command at time `t` [s, of the run]. Neutral while the device is absent, silent, or not
   /// armed. Never throws and never blocks.
   [[nodiscard]] virtual Command read(double t) = 0;
 
   [[nodiscard]] virtual DeviceStatus status() const = 0;
+
+  [[nodiscard]] Command decide(const View& view) final { return read(view.t); }
 };
 
 }  // namespace baton

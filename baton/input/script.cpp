@@ -183,4 +183,21 @@ DeviceStatus Script::status() const {
   return {.name = name_, .connected = true, .armed = true, .hint = ""};
 }
 
+std::string script_line(double t, const Command& command) {
+  const auto number = [](double value) -> std::string {
+    if (std::isnan(value)) return "null";
+    if (std::isinf(value)) return value > 0.0 ? "1e308" : "-1e308";
+    return value == 0.0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
+  };
+  std::string axes;
+  for (const double axis : command.axes)
+    axes += (axes.empty() ? "" : ", ") + number(axis);
+  const char* recall = command.recall == Recall::retrace ? R"(, "retrace": true)"
+                       : command.recall == Recall::home  ? R"(, "home": true)"
+                       : command.recall == Recall::stop  ? R"(, "stop": true)"
+                                                         : "";
+  return fmt::format(R"({{"t": {}, "guide": "{}", "axes": [{}], "lift": [{}, {}]{}}})", number(t),
+                     to_string(command.guide), axes, number(command.lift.left), number(command.lift.right), recall);
+}
+
 }  // namespace baton

@@ -51,4 +51,8 @@ class Script : public Device {
   std::string name_;
 };
 
+/// A command as a line of a script that gives the very same command; infinities become large numbers, which count
+/// alike.
+[[nodiscard]] std::string script_line(double t, const Command& command);
+
 }  // namespace baton

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "baton/record/tick_record.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
 

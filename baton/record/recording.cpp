@@ -109,20 +109,20 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Json& 
   out_ << first.dump() << '\n' << std::flush;
 }
 
-void RecordingWriter::add(const TickRecord& record, bool fallen) {
+void RecordingWriter::on_tick(const TickRecord& record) {
   flush();
   Json line = {{"m", measurement_json(record.measurement)},
                {"target", vector_json(record.target.q)},
                {"sum", checksum(record.target)}};
   const Command& command = record.navigator.command();
   if (first_ || !(command == command_)) line["c"] = command_json(command);
-  if (fallen) line["fallen"] = true;
+  if (record.truth != nullptr && record.truth->fallen) line["fallen"] = true;
   command_ = command;
   first_ = false;
   tick_ = line.dump();
 }
 
-void RecordingWriter::add(PlanningEvent event) {
+void RecordingWriter::on_event(PlanningEvent event) {
   events_ += fmt::format("{}\"{}\"", events_.empty() ? "" : ",", event == PlanningEvent::ask ? "ask" : "offer");
 }
 

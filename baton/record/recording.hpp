@@ -9,24 +9,21 @@
 #include <string_view>
 #include <vector>
 
-#include "baton/record/tick_record.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
-
-/// What passes between navigator and planning beside the ticks.
-enum class PlanningEvent { ask, offer };
 
 /// Checksum of a joint target, every bit of it.
 [[nodiscard]] std::string checksum(const JointTarget& target);
 
-class RecordingWriter {
+class RecordingWriter : public Sink {
  public:
   /// @param head what the run is of: robot, world, modes
   /// @throws InputError the file cannot be written
   RecordingWriter(const std::filesystem::path& file, const nlohmann::json& head);
 
-  void add(const TickRecord& record, bool fallen);
-  void add(PlanningEvent event);
+  void on_tick(const TickRecord& record) override;
+  void on_event(PlanningEvent event) override;
 
   /// Writes what is left.
   /// @throws std::runtime_error the recording could not be written whole

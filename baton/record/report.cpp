@@ -18,14 +18,16 @@ nlohmann::json finite_or_null(double value) {
 
 Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot), commands_(robot), tracking_(robot) {}
 
-void Report::add(const TickRecord& record) {
+void Report::on_tick(const TickRecord& record) {
   const Navigator& nav = record.navigator;
-  const Truth& truth = record.truth;
   duration_ = record.t + robot_->profile().tick.period;
   tick_.add(record.tick_us);
-  kinematics_.set(truth.q);
+  if (record.truth != nullptr) kinematics_.set(record.truth->q);
   commands_.add(record, kinematics_, segments_.begins(nav));
   segments_.add(nav, kinematics_.com());
+  has_truth_ = record.truth != nullptr;
+  if (!has_truth_) return;
+  const Truth& truth = *record.truth;
   fallen_ = fallen_ || truth.fallen;
   tilt_ = std::max(tilt_, tilt_of(kinematics_.trunk().R));
   note_zmp_margin(truth);
@@ -33,7 +35,7 @@ void Report::add(const TickRecord& record) {
   note_height(nav);
 }
 
-void Report::add(const PlanRecord& record) {
+void Report::on_plan(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
   plan_.add(record.plan_us);
   commands_.answered(record.request);
@@ -66,24 +68,30 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
     const Pose pose = part == Part::trunk ? kinematics_.trunk() : guided_pose(kinematics_, part);
     final[std::string(to_string(part))] = {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
   }
-  return {{"robot", robot_->profile().name},
-          {"world", world},
-          {"on", on},
-          {"seed", seed},
-          {"duration_s", duration_},
-          {"falls", fallen_ ? 1 : 0},
-          {"segments", segments_.json()},
-          {"commands", commands_.json()},
-          {"travel_m", segments_.travel(kinematics_.com())},
-          {"plan_us", plan_.summary()},
-          {"tick_us", tick_.summary()},
-          {"zmp_margin_m",
-           {{"planned_min", finite_or_null(segments_.zmp_margin())}, {"measured_min", finite_or_null(zmp_margin_)}}},
-          {"tracking", tracking_.json()},
-          {"com_height_m", {{"first", height_.first}, {"last", height_.last}}},
-          {"tilt_deg_max", tilt_ * 180.0 / M_PI},
-          {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
-          {"final", final}};
+  nlohmann::json report = {
+      {"robot", robot_->profile().name},
+      {"world", world},
+      {"on", on},
+      {"seed", seed},
+      {"duration_s", duration_},
+      {"falls", fallen_ ? 1 : 0},
+      {"segments", segments_.json()},
+      {"commands", commands_.json()},
+      {"travel_m", segments_.travel(kinematics_.com())},
+      {"plan_us", plan_.summary()},
+      {"tick_us", tick_.summary()},
+      {"zmp_margin_m",
+       {{"planned_min", finite_or_null(segments_.zmp_margin())}, {"measured_min", finite_or_null(zmp_margin_)}}},
+      {"tracking", tracking_.json()},
+      {"com_height_m", {{"first", height_.first}, {"last", height_.last}}},
+      {"tilt_deg_max", tilt_ * 180.0 / M_PI},
+      {"real_time_factor", wall > 0.0 ? duration_ / wall : 0.0},
+      {"final", final}};
+  if (has_truth_) return report;
+  for (const char* key : {"falls", "travel_m", "tracking", "com_height_m", "tilt_deg_max", "final"})
+    report[key] = nullptr;
+  report["commands"]["moved"] = nullptr;
+  return report;
 }
 
 }  // namespace baton

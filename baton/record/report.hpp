@@ -8,16 +8,17 @@
 #include "baton/record/durations.hpp"
 #include "baton/record/segment_count.hpp"
 #include "baton/record/tracking_error.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
 
-class Report {
+class Report : public Sink {
  public:
   /// The robot must outlive the object.
   explicit Report(const RobotModel& robot);
 
-  void add(const TickRecord& record);
-  void add(const PlanRecord& record);
+  void on_tick(const TickRecord& record) override;
+  void on_plan(const PlanRecord& record) override;
 
   /// @param wall duration of the run by the clock on the wall [s]
   [[nodiscard]] nlohmann::json json(const std::string& world, const std::string& on, long seed, double wall) const;
@@ -36,6 +37,7 @@ class Report {
   const RobotModel* robot_;
   Kinematics kinematics_;  ///< of the truth
   double duration_ = 0.0;
+  bool has_truth_ = true;  ///< the robot does; without, what only a simulator knows is null
   bool fallen_ = false;
   double tilt_ = 0.0;  ///< the trunk's largest [rad]
   CommandAccount commands_;

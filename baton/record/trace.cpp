@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <limits>
 
 namespace baton {
 
@@ -12,7 +13,7 @@ Vec2 measured_zmp(const Truth& truth, double height) {
 }
 
 Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
-    : kinematics_(robot), file_(file), out_(open_stream(file, "--trace")) {
+    : robot_(&robot), kinematics_(robot), file_(file), out_(open_stream(file, "--trace")) {
   std::string header = "t,guide,segment,phase";
   for (int i = 0; i < robot.nq(); ++i)
     header += fmt::format(",qpos_{}", i);
@@ -27,15 +28,12 @@ Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
   out_ << header;
 }
 
-void Trace::add(const TickRecord& record) {
+void Trace::on_tick(const TickRecord& record) {
   const Navigator& nav = record.navigator;
   const MotionSample& plan = nav.sample();
   const Pose& anchor = nav.anchor();
-  kinematics_.set(record.truth.q);
-  const Vec3 com = kinematics_.com();
   const Vec3 com_plan = anchor * plan.com;
   const Vec3 zmp_plan = anchor * Vec3(plan.zmp.x(), plan.zmp.y(), plan.zmp_height);
-  const Vec2 zmp = measured_zmp(record.truth, zmp_plan.z());
 
   fmt::memory_buffer row;
   const auto to = std::back_inserter(row);
@@ -45,16 +43,23 @@ void Trace::add(const TickRecord& record) {
     for (const double value : values)
       fmt::format_to(to, ",{:.10g}", value);
   };
-  numbers(record.truth.q);
-  numbers(record.truth.dq);
+  const Truth* truth = record.truth;
+  const auto seen = [&](Eigen::Index count, const auto& values) {
+    numbers(truth != nullptr ? VecX(values()) : VecX::Constant(count, std::numeric_limits<double>::quiet_NaN()));
+  };
+  if (truth != nullptr) kinematics_.set(truth->q);
+  seen(robot_->nq(), [&] { return truth->q; });
+  seen(robot_->nv(), [&] { return truth->dq; });
   numbers(record.target.q);
-  numbers(com);
+  seen(3, [&] { return kinematics_.com(); });
   numbers(com_plan);
-  numbers(zmp);
+  seen(2, [&] { return measured_zmp(*truth, zmp_plan.z()); });
   numbers(zmp_plan.head<2>());
-  fmt::format_to(to, ",{:d},{:d},{:d},{:d}", plan.contact.left, plan.contact.right, record.truth.touch.left,
-                 record.truth.touch.right);
-  numbers(Vec2(record.truth.sole.left.force.z(), record.truth.sole.right.force.z()));
+  fmt::format_to(to, ",{:d},{:d}", plan.contact.left, plan.contact.right);
+  seen(4, [&] {
+    const BySide<Wrench>& sole = truth->sole;
+    return Eigen::Vector4d(truth->touch.left, truth->touch.right, sole.left.force.z(), sole.right.force.z());
+  });
   numbers(nav.dcm_error());
   fmt::format_to(to, ",{:d}\n", static_cast<int>(nav.purpose()));
   out_.write(row.data(), static_cast<std::streamsize>(row.size()));

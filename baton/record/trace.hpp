@@ -1,26 +1,28 @@
-/// A run as a table: one row a tick (docs/trace.md lists the columns).
+/// A run as a table: one row a tick (docs/trace.md lists the columns). What only a simulator knows is `nan` where the
+/// robot has no truth.
 #pragma once
 
 #include <filesystem>
 #include <fstream>
 
 #include "baton/record/output_file.hpp"
-#include "baton/record/tick_record.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
 
-class Trace {
+class Trace : public Sink {
  public:
   /// Opens the file and writes the header.
   /// @throws InputError the file cannot be written
   Trace(const RobotModel& robot, const std::filesystem::path& file);
 
-  void add(const TickRecord& record);
+  void on_tick(const TickRecord& record) override;
 
   /// @throws std::runtime_error it could not be written whole
   void close() { close_stream(out_, file_, "--trace"); }
 
  private:
+  const RobotModel* robot_;
   Kinematics kinematics_;
   std::filesystem::path file_;
   std::ofstream out_;

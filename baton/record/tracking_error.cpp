@@ -22,7 +22,7 @@ void TrackingError::add(const TickRecord& record, const Kinematics& truth) {
   planned_.set(plan.q);
   squares_.com += (truth.com() - frame * plan.com).squaredNorm();
   const Vec2 zmp = (frame * Vec3(plan.zmp.x(), plan.zmp.y(), plan.zmp_height)).head<2>();
-  const Vec2 measured = measured_zmp(record.truth, support_plane(soles, plan.contact));
+  const Vec2 measured = measured_zmp(*record.truth, support_plane(soles, plan.contact));
   if (measured.allFinite()) squares_.zmp += (measured - zmp).squaredNorm();
   for (const Side side : kSides) {
     squares_.sole += 0.5 * (soles[side].p - frame * plan.sole[side].p).squaredNorm();
@@ -31,7 +31,7 @@ void TrackingError::add(const TickRecord& record, const Kinematics& truth) {
   ++squares_.ticks;
 
   const double height = robot_->profile().stance.com_height;
-  const Vec3 trunk = record.truth.q.head<3>();
+  const Vec3 trunk = record.truth->q.head<3>();
   if (!way_from_) way_from_ = trunk;
   if ((trunk - *way_from_).head<2>().norm() > kPiece * height) {
     way_ += (trunk - *way_from_).head<2>().norm();

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "baton/record/tick_record.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton {
 
@@ -13,7 +13,7 @@ class TrackingError {
   /// The robot must outlive the object.
   explicit TrackingError(const RobotModel& robot) : robot_(&robot), planned_(robot) {}
 
-  /// One tick of a robot that has not fallen.
+  /// One tick of a robot that has truth and has not fallen.
   /// @param truth the robot's configuration at this tick
   void add(const TickRecord& record, const Kinematics& truth);
 

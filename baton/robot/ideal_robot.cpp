@@ -3,12 +3,16 @@
 namespace baton {
 
 IdealRobot::IdealRobot(const RobotModel& robot, const Posture& start, double period)
-    : robot_(&robot), period_(period), kinematics_(robot), sole_(start.sole) {
+    : robot_(&robot), start_(start), period_(period), kinematics_(robot), sole_(start.sole) {
   sensor_ = robot.imu_in_root().value_or(Pose{});
   torque_ = VecX::Zero(robot.nv() - 6);
   truth_.q = start.q;
   truth_.dq = VecX::Zero(robot.nv());
   measure_ground(truth_.dq);
+}
+
+void IdealRobot::reset() {
+  *this = IdealRobot(*robot_, start_, period_);
 }
 
 Measurement IdealRobot::read() {

@@ -6,14 +6,15 @@
 
 namespace baton {
 
-class IdealRobot : public TransparentRobot {
+class IdealRobot : public Robot {
  public:
   /// @param start posture that it stands in, in the world
   IdealRobot(const RobotModel& robot, const Posture& start, double period);
 
   [[nodiscard]] Measurement read() override;
   void write(const JointTarget& target) override;
-  [[nodiscard]] const Truth& truth() const override { return truth_; }
+  void reset() override;
+  [[nodiscard]] const Truth* truth() const override { return &truth_; }
 
  private:
   void measure_ground(const VecX& ddq);
@@ -21,6 +22,7 @@ class IdealRobot : public TransparentRobot {
   [[nodiscard]] Vec3 sensor_velocity(const Mat3& root) const;
 
   const RobotModel* robot_;
+  Posture start_;
   double period_;
   Kinematics kinematics_;
   Side planted_ = Side::left;  ///< the sole that carries the chain

@@ -25,6 +25,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
     : robot_(&robot),
       period_(period),
       parameters_(parameters),
+      start_(start),
       text_(with_ground(world.compose(robot, parameters.timestep), parameters.plant, name_of(robot.mj(), mjOBJ_BODY, 1),
                         0.5 * (start.sole.left.p + start.sole.right.p))),
       kinematics_(robot),
@@ -45,19 +46,29 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   perturb();
   data_ = DataPtr(mj_makeData(&m));
   mj_setConst(&m, data_.get());
-  // On tilted ground it is put down tilted.
-  const Vec3 at = 0.5 * (start.sole.left.p + start.sole.right.p);
-  const Mat3 tilt = rotation_exp(parameters_.plant.tilt);
-  truth_.q = start.q;
-  truth_.q.head<3>() = at + tilt * (start.q.head<3>() - at);
-  const Eigen::Quaterniond attitude =
-      Eigen::Quaterniond(tilt) * Eigen::Quaterniond(start.q[3], start.q[4], start.q[5], start.q[6]);
-  truth_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
-  truth_.dq = VecX::Zero(robot.nv());
-  in_world_.write(truth_.q, *data_);
   if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
-  reading_.torque = VecX::Zero(robot.nv() - 6);
-  mj_forward(&m, data_.get());
+  SimulatedRobot::reset();
+}
+
+void SimulatedRobot::reset() {
+  mj_resetData(model_.get(), data_.get());
+  const Plant& plant = parameters_.plant;
+  actuators_ = Actuators(*robot_, plant.actuators, period_);
+  sensors_ = Sensors(plant.sensors, robot_->nv() - 6, period_, plant.seed);
+  truth_ = {};
+  imu_velocity_.setZero();
+  // On tilted ground it is put down tilted.
+  const Vec3 at = 0.5 * (start_.sole.left.p + start_.sole.right.p);
+  const Mat3 tilt = rotation_exp(plant.tilt);
+  truth_.q = start_.q;
+  truth_.q.head<3>() = at + tilt * (start_.q.head<3>() - at);
+  const Eigen::Quaterniond attitude =
+      Eigen::Quaterniond(tilt) * Eigen::Quaterniond(start_.q[3], start_.q[4], start_.q[5], start_.q[6]);
+  truth_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
+  truth_.dq = VecX::Zero(robot_->nv());
+  in_world_.write(truth_.q, *data_);
+  reading_.torque = VecX::Zero(robot_->nv() - 6);
+  mj_forward(model_.get(), data_.get());
   observe();
 }
 

@@ -8,7 +8,7 @@
 
 namespace baton {
 
-class SimulatedRobot : public TransparentRobot {
+class SimulatedRobot : public Robot {
  public:
   struct Parameters {
     double timestep = 0.001;          ///< of physics and servo [s], a divisor of the tick's period
@@ -24,7 +24,8 @@ class SimulatedRobot : public TransparentRobot {
 
   [[nodiscard]] Measurement read() override { return reading_; }
   void write(const JointTarget& target) override;
-  [[nodiscard]] const Truth& truth() const override { return truth_; }
+  void reset() override;
+  [[nodiscard]] const Truth* truth() const override { return &truth_; }
 
   /// The very model that is stepped, as MJCF text.
   [[nodiscard]] const std::string& model_text() const { return text_; }
@@ -43,6 +44,7 @@ class SimulatedRobot : public TransparentRobot {
   const RobotModel* robot_;
   double period_;
   Parameters parameters_;
+  Posture start_;
   std::string text_;
   ModelPtr model_;
   DataPtr data_;

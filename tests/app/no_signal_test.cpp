@@ -5,10 +5,10 @@
 #include <limits>
 #include <optional>
 
-#include "app/session.hpp"
 #include "baton/cockpit/page_device.hpp"
 #include "baton/input/joystick.hpp"
 #include "baton/model/world.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/input/virtual_joystick.hpp"
 #include "tests/support/robots.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 class NoSignal : public testing::Test {
  protected:
   /// A tick with what the device says.
-  void step(Device& device) { session_.step(device.read(session_.t())); }
+  void step(Device& device) { session_.step(device); }
   void steps(Device& device, double seconds) {
     for (const double end = session_.t() + seconds; session_.t() < end;)
       step(device);
@@ -48,7 +48,8 @@ class NoSignal : public testing::Test {
   }
 
   World world_ = World::load("flat");
-  app::Session session_{test::robot("mighty"), world_, app::Session::On::ideal};
+  Simulation simulation_{test::robot("mighty"), world_, Simulation::On::ideal};
+  Session& session_ = simulation_.session();
 };
 
 TEST_F(NoSignal, AJoystickPulledOut) {

@@ -6,9 +6,9 @@
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/input/script.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/support/scratch.hpp"
 
 namespace baton {
@@ -126,11 +126,12 @@ class RecallInPhysics : public testing::Test {
       ASSERT_TRUE(!navigator_.refusal() || navigator_.refusal()->reason == Reason::no_history);
     }
   }
-  [[nodiscard]] Vec2 place() const { return session_.truth().q.head<2>(); }
+  [[nodiscard]] Vec2 place() const { return session_.truth()->q.head<2>(); }
 
   const RobotModel robot_ = RobotModel::load("mighty");
   const World world_;
-  app::Session session_{robot_, world_, app::Session::On::sim};
+  Simulation simulation_{robot_, world_, Simulation::On::sim};
+  Session& session_ = simulation_.session();
   const Navigator& navigator_ = session_.navigator();
   long motions_ = 0;
   int ways_ = 0;           ///< motions back, with halts
@@ -169,9 +170,10 @@ TEST_F(RecallByEdges, TheWayBackIsVerifiedAgainBeforeSolesSlideOffTheirMargin) {
 
 TEST_F(RecallInPhysics, FarFromTheOriginATurnIsNoSlip) {
   // In 30 m of walking 120 slips were told of, once, and ways back lost.
-  VecX q = session_.truth().q;
+  VecX q = session_.truth()->q;
   q[0] += 30.0;
-  app::Session far(robot_, world_, app::Session::On::sim, posture_of(robot_, q));
+  Simulation far_simulation(robot_, world_, Simulation::On::sim, {.start = posture_of(robot_, q)});
+  Session& far = far_simulation.session();
   Command ahead;
   ahead.axes << 1, 0, 0, 0, 0, 0.3;
   while (far.t() < 15.0)
@@ -197,7 +199,8 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
   const auto walk = [&](const Plant& plant) {
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant;
-    app::Session session(robot, world, app::Session::On::sim, std::nullopt, parameters);
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
     const Navigator& navigator = session.navigator();
     bool goes_back = false;
     bool halted = false;
@@ -222,7 +225,7 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
     back.recall = Recall::retrace;
     while (session.t() < 9.0 && !session.fallen())
       session.step(back);
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
     return caught_then;
   };
   EXPECT_EQ(walk({}), 0);
@@ -357,7 +360,7 @@ TEST(Recall, AScriptThatIsWrittenIsReadTheSame) {
   for (const Recall recall : {Recall::none, Recall::retrace, Recall::home}) {
     Command command;
     command.recall = recall;
-    text += app::script_line(static_cast<double>(recall), command) + "\n";
+    text += script_line(static_cast<double>(recall), command) + "\n";
   }
   Script script = Script::parse(text, "written");
   for (const Recall recall : {Recall::none, Recall::retrace, Recall::home})

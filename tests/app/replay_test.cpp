@@ -6,9 +6,8 @@
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
-#include "app/planning_thread.hpp"
-#include "app/stick.hpp"
-#include "baton/ik/stand.hpp"
+#include "baton/input/script.hpp"
+#include "baton/proving/stick.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -83,9 +82,9 @@ TEST_F(Replay, AlsoOfARunThatIsPushedAndWhoseAnswersComeLateOrNever) {
       for (const bool spoilt : {false, true}) {
         SCOPED_TRACE(testing::Message() << scenario << ' ' << seed << ' ' << spoilt);
         std::string script;
-        app::Stick stick(std::stoul(seed), 0.005);
+        Stick stick(std::stoul(seed), 0.005);
         for (int k = 0; k < 1600; ++k)
-          script += app::script_line(0.005 * k, stick.next()) + '\n';
+          script += script_line(0.005 * k, stick.next()) + '\n';
         const std::string report = scratch_.path("r.json");
         std::vector<std::string> args{
             "drive",  "--world",   "flat",     "--input",    "script:" + scratch_.write("wild.jsonl", script),
@@ -193,34 +192,6 @@ TEST_F(Replay, WhatItReadsWrongIsOneLineAndExitCodeTwo) {
   refused(changed(0, "/robot", "nobody"), "line 1: robot 'nobody'");
   refused(changed(0, "/world", 5), "line 1: world = 5");
   refused(text[0] + '\n', "holds no ticks");
-}
-
-TEST(PlanningThread, AnswersAsPlanningDoes) {
-  const RobotModel& robot = test::robot("mighty");
-  const World world = World::load("flat");
-  Strategy planning(robot, world);
-  Request request;
-  request.start.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  request.start.context.foothold = request.start.context.from.sole;
-  request.start.posture = request.start.context.from;
-  app::PlanningThread thread(robot, world, {});
-  for (const double x : {1.0, -0.5, 0.0, 0.3}) {
-    request.command.axes[0] = x;
-    ASSERT_TRUE(thread.idle());
-    EXPECT_FALSE(thread.poll().has_value());
-    thread.post(request);
-    std::optional<app::PlanningThread::Reply> answer;
-    while (!(answer = thread.poll()))
-      std::this_thread::yield();
-    const Answer expected = planning.plan(request);
-    ASSERT_EQ(answer->result.outcome.index(), expected.outcome.index());
-    if (const auto* planned = std::get_if<PlannedMotion>(&expected.outcome)) {
-      const VerifiedMotion& other = std::get<PlannedMotion>(answer->result.outcome).motion;
-      ASSERT_EQ(other->ticks(), planned->motion->ticks());
-      EXPECT_EQ(other->end.q, planned->motion->end.q);
-    }
-  }
-  thread.post(request);  // and it ends well with a request in hand
 }
 
 }  // namespace

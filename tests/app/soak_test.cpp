@@ -1,12 +1,8 @@
+// `baton soak`: its report, its table of scenarios, and what went wrong as a script.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <cmath>
-#include <set>
-
-#include "app/episode.hpp"
-#include "baton/ik/stand.hpp"
-#include "baton/input/script.hpp"
+#include "baton/proving/episode.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -20,104 +16,13 @@ using testing::HasSubstr;
 
 constexpr double kPeriod = 0.005;
 
-Course course(Session::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
-  Course course;
-  course.on = on;
-  course.seed = seed;
-  course.seconds = seconds;
-  course.modes = modes;
-  return course;
-}
-
-bool same(const Command& a, const Command& b) {
-  return sanitised(a) == sanitised(b) && std::signbit(a.axes[0]) == std::signbit(b.axes[0]);
-}
-
-TEST(Stick, TheSameSeedGivesTheSameStick) {
-  Stick a(7, kPeriod);
-  Stick b(7, kPeriod);
-  Stick c(8, kPeriod);
-  int differs = 0;
-  for (int k = 0; k < 20000; ++k) {
-    const Command command = a.next();
-    ASSERT_TRUE(same(command, b.next()));
-    differs += same(command, c.next()) ? 0 : 1;
-  }
-  EXPECT_GT(differs, 10000);
-  EXPECT_NE(mixed_seed(1, 2), mixed_seed(2, 1));
-  // As on every computer.
-  EXPECT_EQ(mixed_seed(1, 2), 13608149317741381227ULL);
-}
-
-TEST(Stick, IsDeflectedMostOfTheTimeAndKnowsEveryStyle) {
-  std::set<Stick::Style> styles;
-  std::set<Part> parts;
-  int not_a_number = 0;
-  int denormal = 0;
-  int out_of_range = 0;
-  int both_levers = 0;
-  int switches = 0;
-  double pinned = 0.0;
-  int centred = 0;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    Stick stick(seed, kPeriod);
-    int deflected = 0;
-    Command last;
-    double still = 0.0;
-    constexpr int kTicks = 24000;
-    for (int k = 0; k < kTicks; ++k) {
-      const Command command = stick.next();
-      styles.insert(stick.style());
-      parts.insert(command.guide);
-      deflected += Stick::deflected(command) ? 1 : 0;
-      for (const double axis : command.axes) {
-        not_a_number += std::isnan(axis) ? 1 : 0;
-        denormal += axis != 0.0 && std::abs(axis) < 1e-300 ? 1 : 0;
-        out_of_range += std::abs(axis) > 1.0 ? 1 : 0;
-      }
-      both_levers += command.lift.left > 0.1 && command.lift.right > 0.1 ? 1 : 0;
-      switches += command.guide == last.guide ? 0 : 1;
-      still = same(command, last) ? still + kPeriod : 0.0;
-      pinned = std::max(pinned, still);
-      last = command;
-    }
-    EXPECT_GE(deflected, 7 * kTicks / 10) << seed;
-    centred += kTicks - deflected;
-  }
-  EXPECT_EQ(styles.size(), Stick::kNames.size());
-  EXPECT_EQ(parts.size(), kParts.size());
-  EXPECT_GT(not_a_number, 1000);
-  EXPECT_GT(denormal, 1000);
-  EXPECT_GT(out_of_range, 1000);
-  EXPECT_GT(both_levers, 10000);
-  EXPECT_GT(switches, 20000);
-  EXPECT_GT(pinned, 100.0);
-  EXPECT_GT(centred, 10000);
-}
-
-TEST(Stick, AsAScriptItIsTheSame) {
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    constexpr long kTicks = 4000;
-    const auto read = [stick = Stick(seed, kPeriod)]() mutable { return stick.next(); };
-    Script script = Script::parse(stick_script(read, kPeriod, kTicks), "stick");
-    Stick stick(seed, kPeriod);
-    for (long k = 0; k < kTicks; ++k) {
-      const Command command = stick.next();
-      ASSERT_TRUE(same(command, script.read(static_cast<double>(k) * kPeriod))) << seed << " " << k;
-    }
-    EXPECT_TRUE(script.read(kTicks * kPeriod) == Command{});
-  }
-}
-
-TEST(FailureRate, IsTheExactBound) {
-  EXPECT_NEAR(failure_rate_95(0, 1), 0.95, 1e-12);
-  EXPECT_NEAR(failure_rate_95(0, 59), 0.0495, 1e-4);
-  EXPECT_NEAR(failure_rate_95(0, 1000000), 2.99573e-6, 1e-10);
-  EXPECT_NEAR(failure_rate_95(1, 100), 0.0465598, 1e-6);
-  EXPECT_NEAR(failure_rate_95(5, 50), 0.1988330, 1e-6);
-  EXPECT_NEAR(failure_rate_95(10, 1000000), 1.6962160e-5, 1e-10);
-  EXPECT_EQ(failure_rate_95(0, 0), 1.0);
-  EXPECT_EQ(failure_rate_95(3, 3), 1.0);
+Trial trial(Simulation::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
+  Trial trial;
+  trial.on = on;
+  trial.seed = seed;
+  trial.seconds = seconds;
+  trial.modes = modes;
+  return trial;
 }
 
 /// A report without what depends on the clock on the wall.
@@ -200,7 +105,7 @@ TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {
             kFallen);
   const World gale(file);
   const std::atomic<bool> stop{false};
-  const EpisodeResult again = Episodes(test::robot("mighty"), gale, course(Session::On::sim, 5, 30.0)).run(0, stop);
+  const EpisodeResult again = Episodes(test::robot("mighty"), gale, trial(Simulation::On::sim, 5, 30.0)).run(0, stop);
   expect_same_end(scratch.table("t.csv"), again);
 }
 
@@ -208,7 +113,7 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
   const Scratch scratch;
   const World world = World::load("flat");
   const std::atomic<bool> stop{false};
-  const Episodes episodes(test::robot("mighty"), world, course(Session::On::ideal, 11, 20.0));
+  const Episodes episodes(test::robot("mighty"), world, trial(Simulation::On::ideal, 11, 20.0));
   const EpisodeResult result = episodes.run(4, stop);
   EXPECT_GE(result.tally.segments, 3);
   EXPECT_GE(result.tally.retrace.tried, 1);
@@ -219,50 +124,6 @@ TEST(Soak, ReplaysToTheSameTickOnIdeal) {
                 .code,
             kDone);
   expect_same_end(scratch.table("t.csv"), result);
-}
-
-/// A short episode with little room, at a kind of place where something was found before, or would be.
-struct Situation {
-  const char* name;
-  std::uint64_t seed;
-  long episode;
-  const char* robot = "mighty";
-  Session::On on = Session::On::ideal;
-  Modes modes = {};
-};
-
-class SoakInClutter : public testing::TestWithParam<Situation> {};
-
-INSTANTIATE_TEST_SUITE_P(Situations, SoakInClutter,
-                         testing::Values(Situation{"TallAndLeaning", 1, 54}, Situation{"AFootUpOverUnevenGround", 1, 9},
-                                         Situation{"AHandAtAnObstacle", 1, 47}, Situation{"ASwingAtAnEdge", 1, 173},
-                                         Situation{"TheShortestDurationOrNothing",
-                                                   1,
-                                                   24,
-                                                   "mighty",
-                                                   Session::On::ideal,
-                                                   {DurationRule::search, OnLimit::discard}},
-                                         Situation{"ALargerRobot", 1, 6, "scaled"},
-                                         Situation{"AFootThatSlippedAtAnEdge", 1, 27, "mighty", Session::On::sim}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
-
-TEST_P(SoakInClutter, NothingGoesWrong) {
-  const Situation& s = GetParam();
-  const World clutter(std::string(BATON_SOURCE_DIR) + "/tests/worlds/clutter.xml");
-  const Episodes episodes(test::robot(s.robot), clutter,
-                          course(s.on, s.seed, s.on == Session::On::sim ? 8.0 : 10.0, s.modes));
-  const std::atomic<bool> stop{false};
-  const Tally tally = episodes.run(s.episode, stop).tally;
-  for (const Tally::Failure& failure : tally.listed) {
-    ADD_FAILURE() << failure.kind << " at " << failure.t << " s: " << failure.value << ", limit " << failure.limit
-                  << " " << failure.where;
-  }
-  EXPECT_EQ(tally.failures, 0);
-  EXPECT_GE(tally.segments, 5);
-  EXPECT_GE(tally.retrace.tried, 1);
-  if (s.on == Session::On::ideal) {
-    EXPECT_EQ(tally.retrace.arrived, tally.retrace.tried);
-  }
 }
 
 TEST(Soak, AWayBackThatIsRefusedIsAFailure) {
@@ -281,22 +142,6 @@ TEST(Soak, AWayBackThatIsRefusedIsAFailure) {
       EXPECT_EQ(failure["where"], "ground");
     }
   }
-}
-
-TEST(Soak, KnowsWhenNothingGoesAnyMore) {
-  const RobotModel& robot = test::robot("mighty");
-  const World world = World::load("flat");
-  Strategy planning(robot, world, {DurationRule::paper, OnLimit::discard});
-  Request request;
-  GuideContext& context = request.start.context;
-  context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  context.foothold = context.from.sole;
-  request.start.posture = context.from;
-  EXPECT_FALSE(stuck(planning, request));
-  const int elbow = robot.arm(Side::left).back();
-  context.from.q[7 + elbow] = robot.joints()[static_cast<std::size_t>(elbow)].position.hi + 0.1;
-  request.start.posture = context.from;
-  EXPECT_TRUE(stuck(planning, request));
 }
 
 TEST(Soak, BadInputIsOneClearLine) {
@@ -324,6 +169,49 @@ TEST(Soak, BadInputIsOneClearLine) {
     EXPECT_THAT(outcome.err, HasSubstr(c.says));
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
+}
+
+TEST(Soak, PrintsATableOfAScenarioAndAFallThatCanBeSeenAgain) {
+  const Scratch scratch;
+  // A push that fells everyone.
+  const Outcome outcome = run({"soak", "--scenario", "push_stand", "--times", "8", "--seeds", "3", "--seed", "5",
+                               "--report", scratch.path("r.json")});
+  EXPECT_EQ(outcome.code, kFallen);
+  EXPECT_THAT(outcome.out, HasSubstr("push_stand"));
+  EXPECT_THAT(outcome.out, HasSubstr("0/3"));
+  const nlohmann::json row = scratch.json("r.json")["scenarios"]["push_stand"];
+  EXPECT_EQ(row["tried"], 3);
+  EXPECT_EQ(row["survived"], 0);
+  EXPECT_EQ(row["fell_with_seeds"], nlohmann::json({5, 6, 7}));
+  EXPECT_NEAR(row["fall_rate_95"].get<double>(), 1.0, 1e-12);
+  // The line printed for the second of them, as it is.
+  const std::string script = scratch.path("r.json.push_stand-5-1.jsonl");
+  const std::string line = "--scenario push_stand --times 8 --seed 6";
+  EXPECT_THAT(outcome.out, HasSubstr(line));
+  EXPECT_EQ(run({"drive", "--world", "flat", "--on", "sim", "--scenario", "push_stand", "--times", "8", "--seed", "6",
+                 "--input", "script:" + script, "--fast", "--seconds", "6"})
+                .code,
+            kFallen);
+  EXPECT_EQ(
+      run({"drive", "--world", "flat", "--on", "sim", "--input", "script:" + script, "--fast", "--seconds", "6"}).code,
+      kDone);
+}
+
+TEST(Soak, AScenarioIsRefusedWithWhatWouldBeRight) {
+  const Outcome unknown = run({"soak", "--scenario", "earthquake", "--seeds", "2"});
+  EXPECT_EQ(unknown.code, kBadInput);
+  EXPECT_THAT(unknown.err, HasSubstr("nominal, friction"));
+  EXPECT_EQ(run({"soak", "--scenario", "mass"}).code, kBadInput);
+  EXPECT_EQ(run({"soak", "--scenario", "mass", "--seeds", "2", "--hours", "1"}).code, kBadInput);
+  EXPECT_EQ(run({"soak", "--segments", "5"}).code, kBadInput) << "without a report";
+  const Outcome tiles = run({"drive", "--scenario", "tiles", "--world", "room", "--fast", "--seconds", "1"});
+  EXPECT_EQ(tiles.code, kBadInput);
+  EXPECT_THAT(tiles.err, HasSubstr("one plane"));
+  const Outcome ideal = run({"drive", "--on", "ideal", "--scenario", "mass", "--fast", "--seconds", "1"});
+  EXPECT_EQ(ideal.code, kBadInput);
+  EXPECT_THAT(ideal.err, HasSubstr("--on sim"));
+  EXPECT_EQ(run({"drive", "--times", "2", "--fast", "--seconds", "1"}).code, kBadInput) << "of what?";
+  EXPECT_EQ(run({"drive", "--state", "guess", "--fast", "--seconds", "1"}).code, kBadInput);
 }
 
 }  // namespace

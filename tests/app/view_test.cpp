@@ -18,7 +18,7 @@ class ViewTest : public testing::Test {
     for (const double end = session_.t() + time; session_.t() < end;) {
       session_.step(command);
       refusals_.look(session_.navigator());
-      view_.show(session_, {}, refusals_);
+      view_.show(simulation_, {}, refusals_);
       seen.insert(app::activity(session_));
     }
     return seen;
@@ -33,8 +33,9 @@ class ViewTest : public testing::Test {
 
   using Seen = std::set<Activity>;
   const World world_ = World::load("flat");
-  app::Session session_{test::robot("mighty"), world_, app::Session::On::ideal};
-  app::View view_{session_, 0};
+  Simulation simulation_{test::robot("mighty"), world_, Simulation::On::ideal};
+  Session& session_ = simulation_.session();
+  app::View view_{simulation_, 0};
   app::Refusals refusals_;
 };
 

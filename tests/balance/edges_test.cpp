@@ -46,7 +46,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
   double tilt = 0.0;
   const int second = static_cast<int>(std::lround(1.0 / robot.profile().tick.period));
   for (int tick = 0; tick < seconds * second; ++tick) {
-    const VecX& q = body.truth().q;
+    const VecX& q = body.truth()->q;
     if (tick % second == 0) {
       if (q[0] > 0.3) ahead = -1.0;
       if (q[0] < 0.0) ahead = 1.0;
@@ -56,13 +56,13 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
     body.write(navigator.tick(body.read(), command));
     navigator.poll();
     if (const auto request = navigator.request()) navigator.answer(planning.plan(*request));
-    if (body.truth().fallen) {
-      ADD_FAILURE() << body.truth().fall << " at " << body.truth().t;
+    if (body.truth()->fallen) {
+      ADD_FAILURE() << body.truth()->fall << " at " << body.truth()->t;
       break;
     }
     truth.set(q);
     for (const Side side : kSides) {
-      if (body.truth().touch[side]) tilt = std::max(tilt, tilt_of(truth.sole(side).R));
+      if (body.truth()->touch[side]) tilt = std::max(tilt, tilt_of(truth.sole(side).R));
     }
   }
   return tilt;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/scenario.hpp"
-#include "app/session.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
@@ -111,7 +111,7 @@ class FootingTest : public testing::TestWithParam<std::string> {
   }
 
   const RobotModel& robot_ = test::robot(GetParam());
-  const RobotModel stiff_ = app::with_drive(robot_, Drive::stiff);
+  const RobotModel stiff_ = with_drive(robot_, Drive::stiff);
   const double size_ = robot_.profile().stance.com_height;
   const double weight_ = robot_.mass() * kGravity;
   const int n_ = robot_.nv() - 6;
@@ -425,19 +425,20 @@ TEST_P(FootingTest, LegsThatPressAgainstEachOtherGiveWay) {
 TEST(Footing, FeetThatStandDoNotCreepApartUnderAWrongMass) {  // 25 mm in two minutes, once
   const RobotModel robot = RobotModel::load("mighty");
   const World world = World::load("flat");
-  const app::Scenario& creep = app::scenario_named("creep");
+  const Scenario& creep = scenario_named("creep");
   for (const std::uint64_t seed : {0u, 1u}) {
     SimulatedRobot::Parameters parameters;
-    parameters.plant = app::plant_of(creep, robot, seed);
-    app::Session session(robot, world, app::Session::On::sim, std::nullopt, parameters);
-    const auto stick = app::stick_of(creep, robot, seed);
+    parameters.plant = plant_of(creep, robot, seed);
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
+    const auto stick = stick_of(creep, robot, seed);
     Kinematics kinematics(robot);
     Pose before;
     while (session.t() < 40.0) {
-      session.step(stick());
+      session.step(*stick);
       ASSERT_FALSE(session.fallen());
       if (std::abs(session.t() - 8.0) > 1e-6 && session.t() < 40.0 - 1e-6) continue;
-      kinematics.set(session.truth().q);
+      kinematics.set(session.truth()->q);
       const Pose between = kinematics.sole(Side::left).inverse() * kinematics.sole(Side::right);
       if (session.t() < 9.0) {
         before = between;

@@ -6,18 +6,17 @@
 #include <algorithm>
 #include <map>
 
-#include "app/session.hpp"
 #include "baton/balance/state.hpp"
 #include "baton/ik/inverse_kinematics.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
 #include "baton/robot/ideal_robot.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-using app::Session;
 using testing::HasSubstr;
 
 class Random {
@@ -60,11 +59,12 @@ class OdometryTest : public testing::TestWithParam<std::string> {
   /// Lives through a run, tick by tick.
   static void live(Session& session, double seconds, const std::function<Command(double)>& stick,
                    const std::function<void(const Moment&)>& on_tick) {
-    session.on_tick = [&](const TickRecord& record) { on_tick({record.measurement, record.navigator.sample()}); };
+    Hooks hooks;
+    session.add(hooks);
+    hooks.tick = [&](const TickRecord& record) { on_tick({record.measurement, record.navigator.sample()}); };
     while (session.t() < seconds)
       session.step(stick(session.t()));
-    session.on_tick = nullptr;
-    ASSERT_FALSE(session.fallen()) << session.truth().fall;
+    ASSERT_FALSE(session.fallen()) << session.truth()->fall;
   }
 
   /// A run on ideal: every part is guided, at random, one after the other. Made once a process.
@@ -72,7 +72,8 @@ class OdometryTest : public testing::TestWithParam<std::string> {
     static std::map<std::string, std::vector<Moment>> known;
     std::vector<Moment>& run = known[GetParam()];
     if (!run.empty()) return run;
-    Session session(robot_, world_, Session::On::ideal);
+    Simulation simulation(robot_, world_, Simulation::On::ideal);
+    Session& session = simulation.session();
     Random random(21);
     Command command;
     double until = 0.0;
@@ -155,7 +156,8 @@ TEST_P(OdometryTest, OnOneLegTheRootIsWhereTheLegSays) {
 }
 
 TEST_P(OdometryTest, WalkingOnIdealGroundItKnowsTheRoot) {
-  Session session(robot_, world_, Session::On::ideal);
+  Simulation simulation(robot_, world_, Simulation::On::ideal);
+  Session& session = simulation.session();
   Odometry odometry(robot_, world_, StateSource::sensors, home_);
   Vec3 place = home_.q.head<3>();
   live(session, 5.0, forward, [&](const Moment& moment) {
@@ -382,7 +384,8 @@ TEST(OdometryByEdges, ASoleThatStandsOnAnEdgeTellsWhereTheRobotIs) {
 }
 
 TEST_P(OdometryTest, InPhysicsItStraysLittleAndItsDcmIsSmooth) {
-  Session session(robot_, world_, Session::On::sim);
+  Simulation simulation(robot_, world_, Simulation::On::sim);
+  Session& session = simulation.session();
   Odometry odometry(robot_, world_, StateSource::sensors, home_);
   Estimator estimator(robot_);
   Estimator perfect(robot_);
@@ -430,7 +433,8 @@ TEST_P(OdometryTest, PerfectIsWhatIsMeasured) {
 }
 
 TEST_P(OdometryTest, StandingAndShiftingItLosesNoPlace) {
-  Session session(robot_, world_, Session::On::sim);
+  Simulation simulation(robot_, world_, Simulation::On::sim);
+  Session& session = simulation.session();
   const auto shifts = [](double t) {
     Command command;
     command.axes[2] = std::sin(3.0 * t);

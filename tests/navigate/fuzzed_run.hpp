@@ -9,10 +9,10 @@
 #include <optional>
 #include <vector>
 
-#include "app/stick.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/navigate/navigator.hpp"
 #include "baton/plan/strategy.hpp"
+#include "baton/proving/stick.hpp"
 #include "baton/record/recording.hpp"
 #include "baton/robot/ideal_robot.hpp"
 #include "baton/verify/verifier.hpp"
@@ -362,8 +362,8 @@ class FuzzedRun {
   const World& world_;
   double period_;
   long second_;  ///< ticks of a second, for a robot as large as mighty
-  app::Dice dice_;
-  app::Stick stick_;
+  Dice dice_;
+  Stick stick_;
   Modes modes_;
   StateSource source_;
   Posture home_;

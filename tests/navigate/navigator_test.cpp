@@ -242,7 +242,7 @@ TEST_P(NavigatorTest, RetracingGoesBackRestByRestToTheStart) {
         run.step(back);
       ASSERT_EQ(run.navigator().phase(), Phase::hold);
       EXPECT_EQ(run.navigator().refusal()->reason, Reason::no_history);
-      const auto [place, attitude] = distance(posture_of(robot_, run.body().truth().q), run.home());
+      const auto [place, attitude] = distance(posture_of(robot_, run.body().truth()->q), run.home());
       EXPECT_LT(place, 0.005 * size);
       EXPECT_LT(attitude, 0.02);
     }
@@ -443,7 +443,7 @@ TEST_P(NavigatorTest, HomeIsTheStanceThatItBeganInWhereverItIs) {
     ASSERT_EQ(run.navigator().phase(), Phase::hold);
     ASSERT_FALSE(run.navigator().refusal() != nullptr) << to_string(run.navigator().refusal()->reason);
     // The same posture, somewhere else.
-    const Posture now = posture_of(robot_, run.body().truth().q);
+    const Posture now = posture_of(robot_, run.body().truth()->q);
     const Pose moved{now.sole.left.p, rotation_z(now.heading())};
     const Pose began{run.home().sole.left.p, rotation_z(run.home().heading())};
     const double size = robot_.profile().stance.com_height / 0.26;

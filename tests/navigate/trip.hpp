@@ -44,7 +44,7 @@ class Trip {
   IdealRobot& body() { return body_; }
   Strategy& planning() { return planning_; }
   /// Where it really is.
-  [[nodiscard]] Posture posture() const { return posture_of(*robot_, body_.truth().q); }
+  [[nodiscard]] Posture posture() const { return posture_of(*robot_, body_.truth()->q); }
   const World& world() const { return world_; }
   const Posture& home() const { return home_; }
   int requests() const { return requests_; }

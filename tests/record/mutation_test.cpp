@@ -5,12 +5,12 @@
 #include <functional>
 #include <random>
 
-#include "app/tally.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/input/script.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
 #include "baton/model/profile.hpp"
+#include "baton/proving/tally.hpp"
 #include "baton/record/motion_file.hpp"
 #include "baton/record/recording.hpp"
 #include "tests/support/robots.hpp"
@@ -176,7 +176,7 @@ TEST_F(Mutated, ReportOfASoak) {
       {{"kind", "zmp"}, {"episode", 0}, {"t", 0.5}, {"value", nullptr}, {"limit", 0.003}, {"where", "x"}});
   expect_read_or_refused(good.dump(2), "report.json", [](const auto& file) {
     const nlohmann::json json = parse_json(read_input(file, "report"), "report " + file.string());
-    const app::Tally tally = app::Tally::from_json(JsonReader(json, "report " + file.string()));
+    const Tally tally = Tally::from_json(JsonReader(json, "report " + file.string()));
     ASSERT_GE(tally.segments, 0);
   });
 }

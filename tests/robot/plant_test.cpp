@@ -5,16 +5,16 @@
 
 #include <algorithm>
 
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/scenario.hpp"
 #include "baton/robot/simulated_robot.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-using app::Session;
 using testing::HasSubstr;
 
 constexpr double kStep = 0.001;  ///< of physics [s]
@@ -193,15 +193,15 @@ TEST_P(PlantTest, APushIsThatMuchMomentum) {
   }
   for (int tick = 0; tick * period_ < 0.1; ++tick) {
     alone.write(hold());
-    const Vec3 before = momentum(alone.truth());
+    const Vec3 before = momentum(*alone.truth());
     for (std::size_t k = 0; k < pushed.size(); ++k) {
       pushed[k].write(hold());
-      const Vec3 gained = momentum(pushed[k].truth()) - before;
-      if (pushed[k].truth().t < 0.0201) {
-        ASSERT_EQ(pushed[k].truth().q, alone.truth().q);
-      } else if (pushed[k].truth().t > 0.072) {
+      const Vec3 gained = momentum(*pushed[k].truth()) - before;
+      if (pushed[k].truth()->t < 0.0201) {
+        ASSERT_EQ(pushed[k].truth()->q, alone.truth()->q);
+      } else if (pushed[k].truth()->t > 0.072) {
         // It may last one step of physics more or less.
-        ASSERT_LT((gained - impulses[k]).head<2>().norm(), 0.03 * impulses[k].norm()) << pushed[k].truth().t;
+        ASSERT_LT((gained - impulses[k]).head<2>().norm(), 0.03 * impulses[k].norm()) << pushed[k].truth()->t;
       }
     }
   }
@@ -236,7 +236,7 @@ TEST_P(PlantTest, TargetsActAsLateAsTheyAreDelayed) {
       std::vector<VecX> way;
       for (int k = 0; k < static_cast<int>(stream.size()); ++k) {
         body.write(stream[static_cast<std::size_t>(std::max(0, k - later))]);
-        way.push_back(body.truth().q);
+        way.push_back(body.truth()->q);
       }
       return way;
     };
@@ -268,8 +268,8 @@ TEST_P(PlantTest, EncodersAreAsNoisyAsTheyShallBe) {
   VecX before = VecX::Zero(n_);
   for (int tick = 0; tick < 400; ++tick) {
     const Measurement m = body.read();
-    const VecX error = m.q - body.truth().q.tail(n_);
-    const VecX speed = m.dq - body.truth().dq.tail(n_);
+    const VecX error = m.q - body.truth()->q.tail(n_);
+    const VecX speed = m.dq - body.truth()->dq.tail(n_);
     // Speeds are differences of angles.
     ASSERT_LT((speed - (error - before) / period_).norm(), 1e-9);
     for (int j = 0; j < n_; ++j) {
@@ -291,12 +291,12 @@ TEST_P(PlantTest, EncodersAreAsNoisyAsTheyShallBe) {
   for (const Statistics& joint : by_joint)
     EXPECT_NEAR(joint.deviation(), noise, 0.2 * noise);
   // What the sensors say otherwise is true, and without noise the encoders say it too.
-  EXPECT_EQ(body.read().root->velocity, body.truth().dq.head<3>());
+  EXPECT_EQ(body.read().root->velocity, body.truth()->dq.head<3>());
   SimulatedRobot quiet = make({});
   for (int tick = 0; tick < 20; ++tick) {
     quiet.write(hold());
-    ASSERT_EQ(quiet.read().q, quiet.truth().q.tail(n_));
-    ASSERT_EQ(quiet.read().dq, quiet.truth().dq.tail(n_));
+    ASSERT_EQ(quiet.read().q, quiet.truth()->q.tail(n_));
+    ASSERT_EQ(quiet.read().dq, quiet.truth()->dq.tail(n_));
   }
 }
 
@@ -312,7 +312,7 @@ TEST_P(PlantTest, TheSameSeedGivesTheSameBits) {
     for (int tick = 0; tick < 30; ++tick) {
       body.write(hold());
       const Measurement m = body.read();
-      add(body.truth().q);
+      add(body.truth()->q);
       add(m.q);
       add(m.dq);
       add(m.sole.left.force);
@@ -335,12 +335,12 @@ TEST_P(PlantTest, ForcesAreAsNoisyAsTheyShallBeAndChangeNothingElse) {
   for (int tick = 0; tick < 600; ++tick) {
     body.write(hold());
     quiet.write(hold());
-    ASSERT_EQ(body.truth().q, quiet.truth().q);
+    ASSERT_EQ(body.truth()->q, quiet.truth()->q);
     const Measurement m = body.read();
     const Measurement exact = quiet.read();
     ASSERT_EQ(m.q, exact.q);
     for (const Side side : kSides) {
-      ASSERT_EQ(body.truth().sole[side].force, quiet.truth().sole[side].force);
+      ASSERT_EQ(body.truth()->sole[side].force, quiet.truth()->sole[side].force);
       for (int axis = 0; axis < 3; ++axis) {
         const double force = exact.sole[side].force[axis];
         const double moment = exact.sole[side].moment[axis];
@@ -372,7 +372,7 @@ TEST_P(PlantTest, TheAttitudeOfTheImuIsOffByItsBias) {
     ASSERT_EQ(m.imu.rate, exact.imu.rate);
     ASSERT_EQ(m.imu.acceleration, exact.imu.acceleration);
     ASSERT_EQ(m.q, exact.q);
-    ASSERT_EQ(body.truth().q, straight.truth().q);
+    ASSERT_EQ(body.truth()->q, straight.truth()->q);
     const Pose& sensor = *robot_.imu_in_root();
     ASSERT_LT(rotation_error(exact.imu.attitude, exact.root->pose.R * sensor.R).norm(), 0.01);
     body.write(hold());
@@ -425,9 +425,9 @@ TEST_P(PlantTest, ServosAreAsStiffAsTheyAre) {
 }
 
 TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
-  const RobotModel torque = app::with_drive(robot_, Drive::torque);
-  const RobotModel pd = app::with_drive(robot_, Drive::pd);
-  const RobotModel stiff = app::with_drive(robot_, Drive::stiff);
+  const RobotModel torque = with_drive(robot_, Drive::torque);
+  const RobotModel pd = with_drive(robot_, Drive::pd);
+  const RobotModel stiff = with_drive(robot_, Drive::stiff);
   for (int trial = 0; trial < 3; ++trial) {
     const JointTarget target = near_home();
     JointTarget untold = target;
@@ -453,7 +453,7 @@ TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
     const VecX firm = first_torques(stiff, {}, still);
     const VecX usual = first_torques(pd, {}, still);
     for (int j = 0; j < n_; ++j)
-      EXPECT_NEAR(firm[j], app::kStiff * usual[j], 1e-9 * stall(j)) << name_of_joint(j);
+      EXPECT_NEAR(firm[j], kStiff * usual[j], 1e-9 * stall(j)) << name_of_joint(j);
   }
 }
 
@@ -489,14 +489,14 @@ TEST_P(PlantTest, TheGroundIsTurnedAboutTheStartAndTheRobotWithIt) {
     EXPECT_LT((ground.R.col(2) - tilt.col(2)).norm(), 1e-5);
     EXPECT_NEAR(ground.R.col(2).dot(middle(start) - ground.p), 0.0, 1e-4 * size_) << "the start stays";
     // Both soles lie on it, and the robot stands as it was to.
-    kinematics_.set(body.truth().q);
+    kinematics_.set(body.truth()->q);
     for (const Side side : kSides) {
       const Pose sole = kinematics_.sole(side);
       EXPECT_NEAR(ground.R.col(2).dot(sole.p - ground.p), 0.0, 1e-4 * size_);
       EXPECT_LT((sole.R.col(2) - ground.R.col(2)).norm(), 1e-4);
       EXPECT_LT((sole.R - tilt * start.sole[side].R).norm(), 1e-4);
     }
-    EXPECT_EQ(body.truth().q.tail(n_), start.q.tail(n_));
+    EXPECT_EQ(body.truth()->q.tail(n_), start.q.tail(n_));
     EXPECT_EQ(body.read().q, start.q.tail(n_));
   }
 }
@@ -528,12 +528,13 @@ TEST_P(PlantTest, ItStandsOnTiltedGround) {
   for (int trial = 0; trial < 3; ++trial) {
     Plant plant;
     plant.tilt = random_.horizontal(0.045);
-    Session session(robot_, world_, Session::On::sim, std::nullopt, with(plant));
-    const Pose ground =
-        pose_of_geom(*session.simulated(), find_id(session.simulated()->model(), mjOBJ_GEOM, "ground_floor", "test"));
+    Simulation simulation(robot_, world_, Simulation::On::sim, {.physics = with(plant)});
+    Session& session = simulation.session();
+    const Pose ground = pose_of_geom(*simulation.simulated(),
+                                     find_id(simulation.simulated()->model(), mjOBJ_GEOM, "ground_floor", "test"));
     while (session.t() < 1.0) {
       session.step({});
-      const Truth& truth = session.truth();
+      const Truth& truth = simulation.truth();
       kinematics_.set(truth.q);
       for (const Side side : kSides) {
         const Pose sole = kinematics_.sole(side);
@@ -547,7 +548,7 @@ TEST_P(PlantTest, ItStandsOnTiltedGround) {
         ASSERT_TRUE(truth.touch.left && truth.touch.right) << session.t();
       }
     }
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
   }
 }
 
@@ -607,7 +608,7 @@ TEST_P(PlantTest, TilesUnderTheStartAreLevel) {
         ASSERT_NE(tile, tiles.end());
         EXPECT_NEAR(tile->top, 0.0, 1e-5 * size_) << "under " << (corner - middle(start).head<2>()).transpose();
       }
-      EXPECT_LT(body.truth().sole[side].force.z(), weight_) << "put down into the ground";
+      EXPECT_LT(body.truth()->sole[side].force.z(), weight_) << "put down into the ground";
     }
   }
 }

@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/session.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
@@ -77,8 +77,9 @@ class SimulatedRobotTest : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Robots, SimulatedRobotTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
 TEST_P(SimulatedRobotTest, IsHeldByNothingButTheGround) {
-  app::Session session(robot_, world_, app::Session::On::sim);
-  const SimulatedRobot& body = *session.simulated();
+  Simulation simulation(robot_, world_, Simulation::On::sim);
+  Session& session = simulation.session();
+  const SimulatedRobot& body = *simulation.simulated();
   const mjModel& m = body.model();
   EXPECT_EQ(m.neq, 0);
   EXPECT_EQ(m.nmocap, 0);
@@ -111,10 +112,10 @@ TEST_P(SimulatedRobotTest, IsHeldByNothingButTheGround) {
       const int dof = m.jnt_dofadr[mj_name2id(&m, mjOBJ_JOINT, joint.name.c_str())];
       ASSERT_LE(std::abs(d.qfrc_actuator[dof]), joint.motor.stall * (1.0 + 1e-9)) << joint.name;
     }
-    ASSERT_GT(body.truth().t, t);
-    t = body.truth().t;
+    ASSERT_GT(body.truth()->t, t);
+    t = body.truth()->t;
   }
-  EXPECT_FALSE(session.fallen()) << session.truth().fall;
+  EXPECT_FALSE(session.fallen()) << session.truth()->fall;
   EXPECT_GT(session.navigator().committed(), 4);
   EXPECT_NEAR(t, session.t(), 1e-9);
   EXPECT_EQ(mujoco_warnings(), warnings);
@@ -172,25 +173,27 @@ TEST_P(SimulatedRobotTest, AsksNoMoreOfAMotorThanItCan) {
 }
 
 TEST_P(SimulatedRobotTest, StandsWithTheZmpBelowTheCom) {
-  app::Session session(robot_, world_, app::Session::On::sim);
+  Simulation simulation(robot_, world_, Simulation::On::sim);
+  Session& session = simulation.session();
   while (session.t() < 2.0) {
     session.step({});
     if (session.t() < 0.3) continue;
-    const Truth& truth = session.truth();
+    const Truth& truth = simulation.truth();
     ASSERT_TRUE(truth.touch.left && truth.touch.right) << session.t();
     kinematics_.set(truth.q);
     ASSERT_LT((zmp(truth) - kinematics_.com().head<2>()).norm(), 0.02 * size_) << session.t();
   }
-  EXPECT_FALSE(session.fallen()) << session.truth().fall;
+  EXPECT_FALSE(session.fallen()) << session.truth()->fall;
 }
 
 TEST_P(SimulatedRobotTest, AHardPushMakesAFallThatIsNoticedAndStays) {
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.7, -0.7, 0)}) {
-    app::Session session(robot_, world_, app::Session::On::sim);
+    Simulation simulation(robot_, world_, Simulation::On::sim);
+    Session& session = simulation.session();
     while (session.t() < 0.5)
       session.step({});
     ASSERT_FALSE(session.fallen());
-    session.simulated()->push(robot_.mass() * 0.8 * std::sqrt(kGravity * size_) * direction);
+    simulation.simulated()->push(robot_.mass() * 0.8 * std::sqrt(kGravity * size_) * direction);
     double fell = 0.0;
     std::string why;
     Stick stick(42);
@@ -198,34 +201,35 @@ TEST_P(SimulatedRobotTest, AHardPushMakesAFallThatIsNoticedAndStays) {
       session.step(stick.at(session.t()));
       if (session.fallen() && why.empty()) {
         fell = session.t();
-        why = session.truth().fall;
+        why = session.truth()->fall;
       }
       if (!why.empty()) {
         ASSERT_TRUE(session.fallen());
-        ASSERT_EQ(session.truth().fall, why);
+        ASSERT_EQ(session.truth()->fall, why);
       }
-      ASSERT_NEAR(session.truth().t, session.t(), 1e-9);
-      ASSERT_TRUE(session.truth().q.allFinite());
+      ASSERT_NEAR(session.truth()->t, session.t(), 1e-9);
+      ASSERT_TRUE(session.truth()->q.allFinite());
     }
     EXPECT_GT(fell, 0.5);
     EXPECT_LT(fell, 2.5);
     EXPECT_FALSE(why.empty());
     EXPECT_EQ(session.navigator().phase(), Phase::fallen);
     EXPECT_EQ(session.navigator().motion(), nullptr);
-    kinematics_.set(session.truth().q);  // it lies where it fell
+    kinematics_.set(session.truth()->q);  // it lies where it fell
     EXPECT_LT(kinematics_.com().z(), 0.7 * size_);
   }
 }
 
 TEST_P(SimulatedRobotTest, ALightPushDoesNot) {
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, -1, 0)}) {
-    app::Session session(robot_, world_, app::Session::On::sim);
+    Simulation simulation(robot_, world_, Simulation::On::sim);
+    Session& session = simulation.session();
     while (session.t() < 0.5)
       session.step({});
-    session.simulated()->push(robot_.mass() * 0.03 * std::sqrt(kGravity * size_) * direction);
+    simulation.simulated()->push(robot_.mass() * 0.03 * std::sqrt(kGravity * size_) * direction);
     while (session.t() < 2.5)
       session.step({});
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
   }
 }
 
@@ -234,10 +238,10 @@ TEST_P(SimulatedRobotTest, KnowsEveryKindOfFall) {
   for (const double tilt : {-50.0, -40.0, 40.0, 50.0}) {
     for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0)}) {
       SimulatedRobot body = make(home_moved({up, rotation_exp(tilt * M_PI / 180.0 * axis)}));
-      EXPECT_FALSE(body.truth().fallen);
+      EXPECT_FALSE(body.truth()->fallen);
       body.write(stiff());
-      EXPECT_EQ(body.truth().fallen, std::abs(tilt) > 45.0);
-      EXPECT_THAT(body.truth().fall, HasSubstr(body.truth().fallen ? "tilt" : ""));
+      EXPECT_EQ(body.truth()->fallen, std::abs(tilt) > 45.0);
+      EXPECT_THAT(body.truth()->fall, HasSubstr(body.truth()->fallen ? "tilt" : ""));
     }
   }
   for (const double share : {0.45, 0.55}) {  // of a nominal COM height that is another robot's
@@ -245,26 +249,26 @@ TEST_P(SimulatedRobotTest, KnowsEveryKindOfFall) {
     parameters.nominal_com_height = size_ / share;
     SimulatedRobot body = make(home_moved({up, Mat3::Identity()}), parameters);
     body.write(stiff());
-    EXPECT_EQ(body.truth().fallen, share < 0.5);
-    EXPECT_THAT(body.truth().fall, HasSubstr(body.truth().fallen ? "COM" : ""));
+    EXPECT_EQ(body.truth()->fallen, share < 0.5);
+    EXPECT_THAT(body.truth()->fall, HasSubstr(body.truth()->fallen ? "COM" : ""));
   }
   {  // kneeling: something that is no sole touches the ground, upright as it may be
     SimulatedRobot body = make(home_moved({Vec3(0, 0, -0.6 * size_), Mat3::Identity()}));
     body.write(stiff());
-    EXPECT_TRUE(body.truth().fallen);
-    EXPECT_THAT(body.truth().fall, HasSubstr("touches ground_floor"));
+    EXPECT_TRUE(body.truth()->fallen);
+    EXPECT_THAT(body.truth()->fall, HasSubstr("touches ground_floor"));
   }
   {  // a broken target is noticed as a failure, not hidden by a reset
     SimulatedRobot body = make(home_);
     for (int tick = 0; tick < 20; ++tick)
       body.write(stiff());
-    const double t = body.truth().t;
+    const double t = body.truth()->t;
     JointTarget broken = stiff();
     broken.q[0] = std::numeric_limits<double>::quiet_NaN();
     body.write(broken);
-    EXPECT_TRUE(body.truth().fallen);
-    EXPECT_THAT(body.truth().fall, HasSubstr("warning"));
-    EXPECT_GT(body.truth().t, t);
+    EXPECT_TRUE(body.truth()->fallen);
+    EXPECT_THAT(body.truth()->fall, HasSubstr("warning"));
+    EXPECT_GT(body.truth()->t, t);
   }
 }
 
@@ -281,15 +285,18 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
   const auto run = [&](const Plant& plant) {
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant;
-    app::Session session(robot_, world_, app::Session::On::sim, std::nullopt, parameters);
+    Simulation simulation(robot_, world_, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
     Recording result;
-    session.on_tick = [&](const TickRecord& record) {
+    Hooks hooks;
+    session.add(hooks);
+    hooks.tick = [&](const TickRecord& record) {
       if (session.t() < 1.0) return;
       const MotionSample& planned = record.navigator.sample();
       const Pose& anchor = record.navigator.anchor();
-      kinematics_.set(record.truth.q);
+      kinematics_.set(record.truth->q);
       result.com.push_back(kinematics_.com());
-      result.zmp.push_back(zmp(record.truth));
+      result.zmp.push_back(zmp(*record.truth));
       const Vec2 com = (anchor * planned.com).head<2>();
       const Vec2 planned_zmp = (anchor * Vec3(planned.zmp.x(), planned.zmp.y(), planned.zmp_height)).head<2>();
       result.com_error = std::max(result.com_error, (result.com.back().head<2>() - com).norm());
@@ -300,10 +307,10 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
       if (session.t() > 1.0) command.axes[0] = 1.0;
       session.step(command);
       if (session.t() < 1.0) {
-        result.load = session.truth().sole.left.force.z() + session.truth().sole.right.force.z();
+        result.load = session.truth()->sole.left.force.z() + session.truth()->sole.right.force.z();
       }
     }
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
     return result;
   };
   const Recording nominal = run({});
@@ -338,11 +345,12 @@ TEST_P(SimulatedRobotTest, APlantThatIsNotTheModelIsMeasuredAsItIs) {
 
 TEST_P(SimulatedRobotTest, SimulatesTheSameBitByBit) {
   const auto run = [&] {
-    app::Session session(robot_, world_, app::Session::On::sim);
+    Simulation simulation(robot_, world_, Simulation::On::sim);
+    Session& session = simulation.session();
     Stick stick(43);
     while (session.t() < 2.0)
       session.step(stick.at(session.t()));
-    return session.truth().q;
+    return session.truth()->q;
   };
   EXPECT_EQ(run(), run());
 }

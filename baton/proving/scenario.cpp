@@ -1,15 +1,17 @@
-#include "app/scenario.hpp"
+#include "baton/proving/scenario.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <utility>
 
-#include "app/stick.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/stick.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
@@ -23,6 +25,19 @@ constexpr double kSwings = 0.8;   ///< in which a foot in the air is guided once
 constexpr double kShifts = 2.0;   ///< from one shift of the trunk to the next [s]
 constexpr double kShifted = 0.3;  ///< for which the stick is held [s]
 constexpr double kShift = 0.3;    ///< as far
+
+/// A stick whose position is a function of time.
+class Program : public Device {
+ public:
+  explicit Program(std::function<Command(double t)> at) : at_(std::move(at)) {}
+  [[nodiscard]] Command read(double t) override { return at_(t); }
+  [[nodiscard]] DeviceStatus status() const override {
+    return {.name = "program", .connected = true, .armed = true, .hint = ""};
+  }
+
+ private:
+  std::function<Command(double t)> at_;
+};
 
 /// Horizontal, of this length.
 Vec3 horizontal(double angle, double length) {
@@ -137,45 +152,52 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   return plant;
 }
 
-std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed) {
-  const double period = robot.profile().tick.period;
+std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed) {
   switch (scenario.driving) {
     case Driving::random:
-      return [stick = Stick(seed, period)]() mutable { return stick.next(); };
+      return std::make_unique<Stick>(seed, robot.profile().tick.period);
     case Driving::stand:
-      return [] { return Command{}; };
+      return std::make_unique<Program>([](double /*t*/) { return Command{}; });
     case Driving::walk:
-      return [] {
+      return std::make_unique<Program>([](double /*t*/) {
         Command forward;
         forward.axes[0] = 1.0;
         return forward;
-      };
+      });
     case Driving::swing:
-      return [tick = 0L, period, side = seed % 2 == 0 ? Side::left : Side::right]() mutable {
+      return std::make_unique<Program>([side = seed % 2 == 0 ? Side::left : Side::right](double t) {
         Command swings;
         swings.guide = foot(side);
         swings.lift[side] = 0.5;
-        const double t = static_cast<double>(tick++) * period;
         if (t > 0.5 * kSettled) swings.axes[0] = std::fmod(t, kSwings) < 0.5 * kSwings ? 1.0 : -1.0;
         return swings;
-      };
+      });
     case Driving::shift:
-      return [tick = 0L, period]() mutable {
+      return std::make_unique<Program>([](double t) {
         // Each way, back, and to rest in between; one axis after the other.
         constexpr std::array<std::pair<int, double>, 4> ways{{{1, 1.0}, {1, -1.0}, {0, 1.0}, {0, -1.0}}};
-        const double t = static_cast<double>(tick++) * period;
         const auto [axis, way] = ways[static_cast<std::size_t>(t / kShifts) % ways.size()];
         Command shift;
         const double since = std::fmod(t, kShifts);
         if (since > kShifts - kShifted) shift.axes[axis] = kShift * way;
         return shift;
-      };
+      });
   }
-  return {};
+  return nullptr;
+}
+
+RobotModel with_drive(const RobotModel& robot, Drive drive) {
+  Profile profile = robot.profile();
+  if (drive == Drive::stiff && profile.drive != Drive::stiff) {
+    for (auto& [name, gains] : profile.gains)
+      gains.kp *= kStiff;
+  }
+  profile.drive = drive;
+  return RobotModel(std::move(profile));
 }
 
 Drive drive_of(const Scenario& scenario, const RobotModel& robot) {
   return scenario.name.starts_with("stiff") ? Drive::stiff : robot.profile().drive;
 }
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,5 +1,5 @@
-/// Judges a trajectory tick by tick by its own means: differences in time, MuJoCo's inverse dynamics, collision and
-/// rays. It knows robot and world, and shares no code with what plans and verifies.
+/// Checks a trajectory tick by tick by independent means: differences in time, MuJoCo's inverse dynamics, collision
+/// detection and rays. It knows robot and world, and shares no code with planner and verifier.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 #include "baton/model/robot_model.hpp"
 
-namespace baton::app {
+namespace baton {
 
 class Checker {
  public:
   enum class Kind {
-    not_finite,          ///< a number that is none
-    clock,               ///< time that does not go on by one period [s]
+    not_finite,          ///< a value that is not finite
+    clock,               ///< time does not advance by one period [s]
     target,              ///< a joint is not where it was told to be [rad]
     joint_range,         ///< joint nearer to its limits than the profile's margin [rad]
     joint_speed,         ///< faster than the profile allows [rad/s]
@@ -68,11 +68,11 @@ class Checker {
   };
 
   /// @param model_text world and robot in one model (MJCF)
-  /// @throws InputError something in the world moves by itself, or the model has not what the robot has
+  /// @throws InputError the world has joints of its own, or the model lacks a part of the robot
   Checker(const RobotModel& robot, const std::string& model_text, const Tolerances& tolerances);
   Checker(const RobotModel& robot, const std::string& model_text) : Checker(robot, model_text, Tolerances{}) {}
 
-  /// The next tick. Judged are its places, and the forces at the tick before it. The result holds until the next call.
+  /// Checks the positions of this tick and the forces of the one before. The result is valid until the next call.
   const std::vector<Violation>& add(const Tick& tick);
 
  private:
@@ -89,17 +89,22 @@ class Checker {
   void judge_torques(const Tick& tick, const VecX& force, const VecX& speed, double share);
   [[nodiscard]] std::string geoms(int a, int b) const;
 
+  /// What the parts of the model are.
+  struct Parts {
+    std::vector<char> of_robot;  ///< by geom
+    std::vector<char> of_foot;   ///< by geom
+    std::vector<char> ground;    ///< by geom
+    BySide<int> foot{-1, -1};    ///< bodies
+    std::vector<char> of_leg;    ///< by joint
+  };
+
   const RobotModel* robot_;
   Tolerances tolerance_;
   double place_tolerance_ = 0.0;  ///< [m]
   ModelPtr model_;
-  DataPtr world_;               ///< placed in the world, at the newest tick
-  DataPtr forces_;              ///< placed in the frame of `q`, at the tick before
-  std::vector<char> of_robot_;  ///< by geom
-  std::vector<char> of_foot_;
-  std::vector<char> ground_;
-  BySide<int> foot_{-1, -1};  ///< bodies
-  std::vector<char> of_leg_;  ///< by joint
+  DataPtr world_;   ///< placed in the world, at the newest tick
+  DataPtr forces_;  ///< placed in the frame of `q`, at the tick before
+  Parts parts_;
   std::optional<Tick> before_;
   std::optional<Tick> earlier_;
   BySide<std::optional<Pose>> stood_;  ///< where a standing sole began to stand, in the frame of `q`
@@ -107,4 +112,4 @@ class Checker {
   std::vector<Violation> found_;
 };
 
-}  // namespace baton::app
+}  // namespace baton

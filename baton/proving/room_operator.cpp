@@ -1,9 +1,9 @@
-#include "app/operator.hpp"
+#include "baton/proving/room_operator.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kCrouch = 0.245 / 0.26;  ///< share of the nominal COM height on the steps
@@ -27,16 +27,15 @@ RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uin
                            Parameters parameters)
     : robot_(&robot),
       gait_(gait),
-      foot_by_foot_(gait == Gait::stop || parameters.foot_by_foot),
       parameters_(parameters),
-      random_(seed),
-      kinematics_(robot),
-      door_(world.site("door_B").p) {
+      eyes_(robot, seed, parameters.eyes),
+      room_{world.site("door_B").p, {}},
+      foot_by_foot_(gait == Gait::stop || parameters.foot_by_foot) {
   const Vec3 start = world.site("start").p;
   double height = start.z();
-  for (double x = start.x(); x < door_.x(); x += 1e-4) {
+  for (double x = start.x(); x < room_.door.x(); x += 1e-4) {
     const auto ground = world.ground({x, start.y()});
-    if (ground && ground->height < height - 1e-3) edges_.push_back(x);
+    if (ground && ground->height < height - 1e-3) room_.edges.push_back(x);
     if (ground) height = ground->height;
   }
   for (const Vec2& vertex : robot.sole(Side::left).vertices())
@@ -67,59 +66,23 @@ std::string_view RoomOperator::doing() const {
   return "";
 }
 
-RoomOperator::Sight RoomOperator::look(const Session& session) {
-  std::normal_distribution<double> normal;
-  const auto seen = [&](const Vec3& p) -> Vec3 {
-    return p + parameters_.sight_error * Vec3(normal(random_), normal(random_), normal(random_));
-  };
-  kinematics_.set(session.truth().q);
-  Sight sight;
-  for (const Side side : kSides) {
-    const Pose sole = kinematics_.sole(side);
-    sight.sole[side] = {seen(sole.p), rotation_z(yaw_of(sole.R) + parameters_.sight_yaw_error * normal(random_))};
-  }
-  sight.com = seen(kinematics_.com());
-  sight.hand = seen(kinematics_.hand(Side::left).p);
-  sight.shoulder = seen(kinematics_.shoulder(Side::left));
-  sight.trunk_yaw = yaw_of(kinematics_.trunk().R) + parameters_.sight_yaw_error * normal(random_);
-  sight.heading = mean_yaw(sight.sole);
-  return sight;
-}
-
-RoomOperator::Sight RoomOperator::foreseen(const Session& session) {
-  const Sight now = look(session);
-  Sight then = now;
-  const double since = session.t() - looked_;
-  if (last_look_ && since < 2.0 * parameters_.reaction) {
-    const double share = parameters_.foresight / since;
-    const Vec3 moved = now.com - last_look_->com;
-    then.com += share * moved;
-    then.shoulder += share * moved;
-    then.hand += share * (now.hand - last_look_->hand);
-    then.trunk_yaw += share * wrap_angle(now.trunk_yaw - last_look_->trunk_yaw);
-  }
-  last_look_ = now;
-  looked_ = session.t();
-  return then;
-}
-
-Command RoomOperator::decide(const Session& session) {
+Command RoomOperator::decide(const View& view) {
   const bool by_steps = (stage_ == Stage::steps && foot_by_foot_) || stage_ == Stage::align || stage_ >= Stage::hold;
-  return gait_ == Gait::stop || by_steps || steered_ == stage_ ? step_by_step(session) : steer(session);
+  return gait_ == Gait::stop || by_steps || steered_ == stage_ ? step_by_step(view) : steer(view);
 }
 
-Command RoomOperator::steer(const Session& session) {
-  const double t = session.t();
-  if (t - since_ < parameters_.reaction) return stick_;
-  since_ = t;
-  refusals_ = session.navigator().refusal() ? refusals_ + 1 : 0;
-  const Sight sight = foreseen(session);
+Command RoomOperator::steer(const View& view) {
+  const double t = view.t;
+  if (t - deflection_.since < parameters_.reaction) return stick_;
+  deflection_.since = t;
+  deflection_.refusals = view.navigator.refusal() ? deflection_.refusals + 1 : 0;
+  const Sight sight = eyes_.foresee(view, 2.0 * parameters_.reaction);
   std::optional<Command> command = next(sight);
   if (!command && stage_ == Stage::steps) {  // down, and on without a rest
     stage_ = Stage::cross;
     command = next(sight);
   }
-  if (command && command->axes.cwiseAbs().maxCoeff() > kFar && refusals_ < 3) {
+  if (command && command->axes.cwiseAbs().maxCoeff() > kFar && deflection_.refusals < 3) {
     stick_ = *command;
     return stick_;
   }
@@ -129,57 +92,57 @@ Command RoomOperator::steer(const Session& session) {
   if (stage_ == Stage::steps) {
     foot_by_foot_ = true;
     stage_ = Stage::crouch;
-    refusals_ = 0;
+    deflection_.refusals = 0;
   }
   return stick_;
 }
 
-Command RoomOperator::step_by_step(const Session& session) {
-  const Navigator& robot = session.navigator();
-  const bool lifted = lifted_.left || lifted_.right;
-  swung_ = swung_ || robot.phase() == Phase::single_left || robot.phase() == Phase::single_right;
-  const bool landed = gait_ == Gait::flow && swung_ && !lifted && robot.phase() == Phase::double_support;
-  const bool ready = session.resting() || landed;
-  const double t = session.t();
-  if (deflected_) {
-    const bool refused = robot.refusal() != nullptr && t - since_ > parameters_.patience;
-    if (robot.committed() == moved_ && !refused) return stick_;
-    refusals_ = refused ? refusals_ + 1 : 0;
+Command RoomOperator::step_by_step(const View& view) {
+  const Navigator& robot = view.navigator;
+  const bool lifted = feet_.lifted.left || feet_.lifted.right;
+  deflection_.swung = deflection_.swung || robot.phase() == Phase::single_left || robot.phase() == Phase::single_right;
+  const bool landed = gait_ == Gait::flow && deflection_.swung && !lifted && robot.phase() == Phase::double_support;
+  const bool ready = robot.motion() == nullptr || landed;
+  const double t = view.t;
+  if (deflection_.held) {
+    const bool refused = robot.refusal() != nullptr && t - deflection_.since > parameters_.patience;
+    if (robot.committed() == deflection_.moved && !refused) return stick_;
+    deflection_.refusals = refused ? deflection_.refusals + 1 : 0;
     // It moves, or it does not want to: let go, but keep a lifted foot up.
-    deflected_ = false;
+    deflection_.held = false;
     stick_.axes.setZero();
-    since_ = t;
+    deflection_.since = t;
     return stick_;
   }
   if (!ready) {
-    since_ = t;
+    deflection_.since = t;
     return stick_;
   }
   if (stage_ == Stage::hold) {
-    if (t - since_ >= parameters_.settle) stage_ = Stage::done;
+    if (t - deflection_.since >= parameters_.settle) stage_ = Stage::done;
     return stick_;
   }
-  if (t - since_ < parameters_.reaction || stage_ == Stage::done) return stick_;
-  const Sight sight = look(session);
+  if (t - deflection_.since < parameters_.reaction || stage_ == Stage::done) return stick_;
+  const Sight sight = eyes_.look(view);
   if (stage_ == Stage::reach && t - reaching_since_ > kReachPatience) {  // from another place, the arm down first
     ++approach_;
     stage_ = Stage::cross;
     steered_.reset();
-    refusals_ = 0;
+    deflection_.refusals = 0;
   }
   std::optional<Command> command = next(sight);
   while (!command && stage_ != Stage::hold) {
     stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
-    refusals_ = 0;
+    deflection_.refusals = 0;
     if (stage_ == Stage::reach) reaching_since_ = t;
     if (stage_ != Stage::hold) command = next(sight);
   }
-  since_ = t;
+  deflection_.since = t;
   if (!command) return stick_;
   stick_ = *command;
-  deflected_ = true;
-  moved_ = robot.committed();
-  swung_ = false;
+  deflection_.held = true;
+  deflection_.moved = robot.committed();
+  deflection_.swung = false;
   return stick_;
 }
 
@@ -223,7 +186,8 @@ double RoomOperator::turn_back(double yaw) const {
 std::optional<Command> RoomOperator::face(const Sight& sight) const {
   // The trunk turns first, the feet follow when they must.
   const double trunk = sight.trunk_yaw;
-  if ((std::abs(trunk) < kYawSpot && std::abs(sight.heading) < 2.0 * kYawSpot) || refusals_ > 6) return std::nullopt;
+  if ((std::abs(trunk) < kYawSpot && std::abs(sight.heading) < 2.0 * kYawSpot) || deflection_.refusals > 6)
+    return std::nullopt;
   Command command;
   command.axes[5] = turn_back(std::abs(trunk) < kYawSpot ? sight.heading : trunk);
   return command;
@@ -231,7 +195,7 @@ std::optional<Command> RoomOperator::face(const Sight& sight) const {
 
 std::optional<Command> RoomOperator::change_height(const Sight& sight, double height) const {
   const double error = height - (sight.com.z() - 0.5 * (sight.sole.left.p.z() + sight.sole.right.p.z()));
-  if (std::abs(error) < kHeightSpot || refusals_ > 3) return std::nullopt;
+  if (std::abs(error) < kHeightSpot || deflection_.refusals > 3) return std::nullopt;
   return deflect(Part::trunk, sight, {0, 0, error}, robot_->profile().reach.trunk);
 }
 
@@ -242,16 +206,17 @@ std::optional<Command> RoomOperator::move_foot(const Sight& sight, Side side, co
   Vec2 shift = to - foot_now.p.head<2>();
   const double yaw = yaw_of(foot_now.R);
   const bool there = shift.norm() < tolerance && std::abs(yaw) < kYawSpot;
-  if (there && !lifted_[side]) return std::nullopt;
+  if (there && !feet_.lifted[side]) return std::nullopt;
   // After refusals, away from the other foot.
-  if (refusals_ > 1 && !through_the_air) shift.y() += 0.005 * std::min(refusals_, 4) * sign_of(side);
+  if (deflection_.refusals > 1 && !through_the_air)
+    shift.y() += 0.005 * std::min(deflection_.refusals, 4) * sign_of(side);
   Command command = deflect(foot(side), sight, Vec3(shift.x(), shift.y(), 0), full.foot);
   command.axes.z() = 0.0;
   // After a refusal, try less.
-  command.axes.head<2>() *= std::pow(0.7, refusals_ % 6);
+  command.axes.head<2>() *= std::pow(0.7, deflection_.refusals % 6);
   if (std::abs(yaw) > kYawSpot) command.axes[5] = turn_back(yaw);
-  lifted_[side] = through_the_air && !(lifted_[side] && there);
-  if (lifted_[side]) command.lift[side] = kLift;
+  feet_.lifted[side] = through_the_air && !(feet_.lifted[side] && there);
+  if (feet_.lifted[side]) command.lift[side] = kLift;
   if (there) command.axes.setZero();
   return command;
 }
@@ -261,19 +226,19 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
   const Vec2 middle = sight.feet();
   const auto lane = [&](Side side) { return middle.y() + sign_of(side) * half_width; };
   for (const Side side : kSides) {
-    if (lifted_[side]) return move_foot(sight, side, landing_[side], true, kFootSpot);
+    if (feet_.lifted[side]) return move_foot(sight, side, feet_.landing[side], true, kFootSpot);
   }
   // The edge that the left foot, which goes first, has not passed yet; or the right one after it.
-  for (std::size_t i = 0; i < edges_.size(); ++i) {
-    const double before = edges_[i] - sole_length_ - kBeforeEdge;
-    const double past = edges_[i] + sole_length_ + kPastEdge;
-    const bool left_past = sight.sole.left.p.x() > edges_[i];
-    const bool right_past = sight.sole.right.p.x() > edges_[i];
+  for (std::size_t i = 0; i < room_.edges.size(); ++i) {
+    const double before = room_.edges[i] - sole_length_ - kBeforeEdge;
+    const double past = room_.edges[i] + sole_length_ + kPastEdge;
+    const bool left_past = sight.sole.left.p.x() > room_.edges[i];
+    const bool right_past = sight.sole.right.p.x() > room_.edges[i];
     if (left_past && right_past) continue;
     if (!left_past) {
       // Both feet up to the edge, the one that is behind first.
       Side behind = sight.sole.left.p.x() < sight.sole.right.p.x() ? Side::left : Side::right;
-      if (refusals_ % 2 == 1) behind = other(behind);
+      if (deflection_.refusals % 2 == 1) behind = other(behind);
       for (const Side side : {behind, other(behind)}) {
         const double y = std::abs(sight.sole.left.p.y() - sight.sole.right.p.y() - 2.0 * half_width) < 0.01
                              ? sight.sole[side].p.y()
@@ -291,17 +256,17 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
     if (side == Side::right) {
       // Beside the left foot, or up to the next edge.
       x = sight.sole.left.p.x();
-      if (i + 1 < edges_.size()) x = edges_[i + 1] - sole_length_ - kBeforeEdge;
+      if (i + 1 < room_.edges.size()) x = room_.edges[i + 1] - sole_length_ - kBeforeEdge;
     }
     const double y = sight.sole[other(side)].p.y() + sign_of(side) * 2.0 * half_width;
-    landing_[side] = {x, y};
-    if (auto command = move_foot(sight, side, landing_[side], true, kFootSpot)) return command;
+    feet_.landing[side] = {x, y};
+    if (auto command = move_foot(sight, side, feet_.landing[side], true, kFootSpot)) return command;
   }
   return std::nullopt;
 }
 
 std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
-  const double past = edges_.empty() ? -1.0 : edges_.back();
+  const double past = room_.edges.empty() ? -1.0 : room_.edges.back();
   if (std::min(sight.sole.left.p.x(), sight.sole.right.p.x()) > past) return std::nullopt;
   Command command;
   command.axes[0] = 1.0;
@@ -311,19 +276,19 @@ std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
 
 Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
   const double comfortable = kFromTarget[approach_ % kFromTarget.size()] * robot_->profile().region.hand_distance;
-  const double below = sight.shoulder.z() - door_.z();
+  const double below = sight.shoulder.z() - room_.door.z();
   const double ahead = std::sqrt(std::max(0.0, comfortable * comfortable - below * below));
   const Vec2 shoulder = (sight.shoulder - sight.com).head<2>();
-  return door_.head<2>() - Vec2(ahead, 0) - shoulder;
+  return room_.door.head<2>() - Vec2(ahead, 0) - shoulder;
 }
 
 std::optional<Command> RoomOperator::cross(const Sight& sight) const {
   const Vec2 shift = place_to_reach_from(sight) - sight.com.head<2>();
   const double yaw = sight.heading;
-  if ((shift.norm() < 0.02 && std::abs(yaw) < 2.0 * kYawSpot) || refusals_ > 8) return std::nullopt;
+  if ((shift.norm() < 0.02 && std::abs(yaw) < 2.0 * kYawSpot) || deflection_.refusals > 8) return std::nullopt;
   Command command = deflect(Part::trunk, sight, Vec3(shift.x(), shift.y(), 0), robot_->profile().reach.trunk);
   command.axes.z() = 0.0;
-  command.axes.head<2>() *= std::pow(0.7, refusals_);
+  command.axes.head<2>() *= std::pow(0.7, deflection_.refusals);
   if (std::abs(yaw) > kYawSpot) command.axes[5] = turn_back(yaw);
   return command;
 }
@@ -335,8 +300,8 @@ std::optional<Command> RoomOperator::align(const Sight& sight) {
   const auto place = [&](Side side) -> Vec2 { return middle + Vec2(0, sign_of(side) * half_width); };
   const auto off = [&](Side side) { return (place(side) - sight.sole[side].p.head<2>()).norm(); };
   Side first = off(Side::left) > off(Side::right) ? Side::left : Side::right;
-  if (refusals_ % 2 == 1) first = other(first);
-  if (refusals_ > 8) return std::nullopt;
+  if (deflection_.refusals % 2 == 1) first = other(first);
+  if (deflection_.refusals > 8) return std::nullopt;
   for (const Side side : {first, other(first)}) {
     if (auto command = move_foot(sight, side, place(side), false, 0.008)) return command;
   }
@@ -344,18 +309,18 @@ std::optional<Command> RoomOperator::align(const Sight& sight) {
 }
 
 std::optional<Command> RoomOperator::reach(const Sight& sight) const {
-  Vec3 shift = door_ - sight.hand;
+  Vec3 shift = room_.door - sight.hand;
   if (shift.norm() < parameters_.near) return std::nullopt;
   // What does not go in one go may go one axis after the other, and in smaller moves.
-  const int way = refusals_ % 4;
+  const int way = deflection_.refusals % 4;
   if (way > 0) {
     for (int axis = 0; axis < 3; ++axis) {
       if (axis != (way + 1) % 3) shift[axis] = 0.0;
     }
   }
   Command command = deflect(Part::left_hand, sight, shift, robot_->profile().reach.hand);
-  command.axes *= std::pow(0.6, refusals_ / 4);
+  command.axes *= std::pow(0.6, deflection_.refusals / 4);
   return command;
 }
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,4 +1,4 @@
-#include "app/checker.hpp"
+#include "baton/proving/checker.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "baton/model/error.hpp"
 #include "baton/model/world.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -62,10 +62,10 @@ Checker::Checker(const RobotModel& robot, const std::string& model_text, const T
   prepare_model();
   world_ = DataPtr(mj_makeData(&m));
   forces_ = DataPtr(mj_makeData(&m));
-  of_leg_.assign(robot.joints().size(), 0);
+  parts_.of_leg.assign(robot.joints().size(), 0);
   for (const Side side : kSides) {
     for (const int joint : robot.leg(side))
-      of_leg_[static_cast<std::size_t>(joint)] = 1;
+      parts_.of_leg[static_cast<std::size_t>(joint)] = 1;
   }
   const double foot = robot.sole(Side::left).vertices().front().norm();
   const Profile::Ik& ik = robot.profile().ik;
@@ -76,20 +76,20 @@ void Checker::prepare_model() {
   mjModel& m = *model_;
   const std::string owner = "model of robot and world";
   for (const Side side : kSides)
-    foot_[side] = find_id(m, mjOBJ_BODY, name_of(robot_->mj(), mjOBJ_BODY, robot_->foot_body(side)), owner);
-  const int root = m.body_rootid[foot_.left];
+    parts_.foot[side] = find_id(m, mjOBJ_BODY, name_of(robot_->mj(), mjOBJ_BODY, robot_->foot_body(side)), owner);
+  const int root = m.body_rootid[parts_.foot.left];
   // Forces of the links alone; collision finds what is nearer than twice the margin, without a force.
   m.opt.disableflags |= mjDSBL_SPRING | mjDSBL_DAMPER;
   const double reach = 2.0 * robot_->profile().margin.self_collision;
   for (int g = 0; g < m.ngeom; ++g) {
     const int body = m.geom_bodyid[g];
-    of_robot_.push_back(m.body_rootid[body] == root);
-    of_foot_.push_back(body == foot_.left || body == foot_.right);
-    ground_.push_back(!of_robot_.back() && World::is_ground(name_of(m, mjOBJ_GEOM, g)));
-    m.geom_group[g] = ground_.back() ? kGroundGroup : 0;
+    parts_.of_robot.push_back(m.body_rootid[body] == root);
+    parts_.of_foot.push_back(body == parts_.foot.left || body == parts_.foot.right);
+    parts_.ground.push_back(!parts_.of_robot.back() && World::is_ground(name_of(m, mjOBJ_GEOM, g)));
+    m.geom_group[g] = parts_.ground.back() ? kGroundGroup : 0;
     m.geom_margin[g] = 0.0;
-    m.geom_gap[g] = of_robot_.back() ? 0.0 : reach;
-    if (!of_robot_.back()) m.body_margin[body] = reach;
+    m.geom_gap[g] = parts_.of_robot.back() ? 0.0 : reach;
+    if (!parts_.of_robot.back()) m.body_margin[body] = reach;
   }
   for (int p = 0; p < m.npair; ++p) {
     m.pair_margin[p] = 0.0;
@@ -120,7 +120,7 @@ void Checker::place(const Tick& tick, mjData& data, bool in_world) const {
 }
 
 Pose Checker::sole(Side side, const mjData& data) const {
-  const int body = foot_[side];
+  const int body = parts_.foot[side];
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(data.xmat + 9 * body);
   return Pose{vec3(data.xpos + 3 * body), R} * robot_->sole_in_foot(side);
 }
@@ -194,12 +194,12 @@ void Checker::judge_contacts(const Tick& tick) {
     const auto is = [a, b](const std::vector<char>& set, bool first) {
       return set[static_cast<std::size_t>(first ? a : b)] != 0;
     };
-    const bool both = is(of_robot_, true) && is(of_robot_, false);
-    const bool sole =
-        !both && ((is(of_foot_, true) && is(ground_, false)) || (is(of_foot_, false) && is(ground_, true)));
+    const bool both = is(parts_.of_robot, true) && is(parts_.of_robot, false);
+    const bool sole = !both && ((is(parts_.of_foot, true) && is(parts_.ground, false)) ||
+                                (is(parts_.of_foot, false) && is(parts_.ground, true)));
     if (sole) {
-      const int foot = m.geom_bodyid[is(of_foot_, true) ? a : b];
-      const Side side = foot == foot_.left ? Side::left : Side::right;
+      const int foot = m.geom_bodyid[is(parts_.of_foot, true) ? a : b];
+      const Side side = foot == parts_.foot.left ? Side::left : Side::right;
       const double limit = -tolerance_.sink - place_tolerance_;
       // One that stands was judged where it was put down, and may not slip; where that is, is believed anew each tick.
       const bool judged = tick.contact[side] && stood_[side];
@@ -306,7 +306,7 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
   for (const Side side : kSides) {
     if (tick.contact[side]) height = std::min(height, sole(side, d).p.z());
   }
-  const int root = m.body_rootid[foot_.left];
+  const int root = m.body_rootid[parts_.foot.left];
   const Vec3 com = vec3(d.subtree_com + 3 * root);
   std::vector<Vec2> points;
   for (const Side side : kSides) {
@@ -335,17 +335,17 @@ void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& spe
   const bool single = tick.contact.left != tick.contact.right;
   VecX torque = force;
   if (single) {
-    const int root = m.body_rootid[foot_.left];
+    const int root = m.body_rootid[parts_.foot.left];
     VecX ground = VecX::Zero(m.nv);
     const Vec3 push = force.head<3>();
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> attitude(d.xmat + 9 * root);
     const Vec3 moment = attitude * Vec3(force.segment<3>(3));
     mj_applyFT(&m, &d, push.data(), moment.data(), d.xpos + 3 * root,
-               foot_[tick.contact.left ? Side::left : Side::right], ground.data());
+               parts_.foot[tick.contact.left ? Side::left : Side::right], ground.data());
     torque -= ground;
   }
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
-    if (of_leg_[j] && !single) continue;
+    if (parts_.of_leg[j] && !single) continue;
     const Joint& joint = robot_->joints()[j];
     const auto i = 6 + static_cast<Eigen::Index>(j);
     const double load = (std::abs(torque[i]) + joint.motor.damping * std::abs(speed[i])) / joint.motor.stall;
@@ -353,4 +353,4 @@ void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& spe
   }
 }
 
-}  // namespace baton::app
+}  // namespace baton

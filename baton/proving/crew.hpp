@@ -8,9 +8,9 @@
 #include <thread>
 #include <vector>
 
-#include "app/episode.hpp"
+#include "baton/proving/episode.hpp"
 
-namespace baton::app {
+namespace baton {
 
 /// Episodes from `first` on, driven by several threads, handed out in their order.
 class Crew {
@@ -83,4 +83,4 @@ class Crew {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace baton::app
+}  // namespace baton

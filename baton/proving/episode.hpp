@@ -1,28 +1,28 @@
-/// A stretch of a soak: a fresh robot, a stick at random, the way back, and judges. It is a function of robot, world,
+/// An episode of a soak: a fresh robot, a random stick, the way back, all of it judged. A function of robot, world,
 /// plant and seed.
 #pragma once
 
 #include <atomic>
-#include <functional>
+#include <memory>
+#include <string>
 
-#include "app/checker.hpp"
-#include "app/scenario.hpp"
-#include "app/session.hpp"
-#include "app/stick.hpp"
-#include "app/tally.hpp"
+#include "baton/proving/answer_faults.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/proving/tally.hpp"
+#include "baton/run/simulation.hpp"
 
-namespace baton::app {
+namespace baton {
 
-/// What the episodes of a run have in common.
-struct Course {
-  Session::On on = Session::On::ideal;
+/// What the episodes of a soak have in common.
+struct Trial {
+  Simulation::On on = Simulation::On::ideal;
   Modes modes{};
   StateSource state = StateSource::sensors;
   std::uint64_t seed = 0;
-  double seconds = 120.0;              ///< each is that long, and then until the robot rests, and a few motions back
-  const Scenario* scenario = nullptr;  ///< in physics: no way back then, but a plant for each
+  double seconds = 120.0;              ///< with the stick; then it comes to rest, and goes a few motions back
+  const Scenario* scenario = nullptr;  ///< in physics, with a plant for each episode; there is no way back then
   double times = 1.0;                  ///< factor on how far that is from the model
-  AnswerOptions answers{};             ///< what goes wrong with them, by the seed of each episode
+  AnswerFaults answers{};              ///< what goes wrong with them, by the seed of each episode
 };
 
 struct EpisodeResult {
@@ -36,8 +36,8 @@ struct EpisodeResult {
 class Episodes {
  public:
   /// Robot and world must outlive the object.
-  Episodes(const RobotModel& robot, const World& world, const Course& course)
-      : robot_(&robot), world_(&world), course_(course) {}
+  Episodes(const RobotModel& robot, const World& world, const Trial& trial)
+      : robot_(&robot), world_(&world), trial_(trial) {}
 
   /// Drives one; for any number of threads at a time. Everything that goes wrong is in the result.
   /// @param stop ends it at the next tick; the result is of no use then
@@ -49,15 +49,11 @@ class Episodes {
 
  private:
   [[nodiscard]] long ticks() const;
-  [[nodiscard]] std::function<Command()> stick(long index) const;
+  [[nodiscard]] std::unique_ptr<Device> stick(long index) const;
 
   const RobotModel* robot_;
   const World* world_;
-  Course course_;
+  Trial trial_;
 };
 
-/// Whether no command at all, of many different ones and the way back, has a motion from there.
-/// @param request from where the robot rests; its command does not matter
-[[nodiscard]] bool stuck(Strategy& planning, Request request);
-
-}  // namespace baton::app
+}  // namespace baton

@@ -1,9 +1,9 @@
-#include "app/tally.hpp"
+#include "baton/proving/tally.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 /// Not finite is null, as JSON has no word for it.
@@ -137,4 +137,4 @@ Tally Tally::from_json(const JsonReader& read) {
   return tally;
 }
 
-}  // namespace baton::app
+}  // namespace baton

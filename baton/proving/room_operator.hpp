@@ -5,32 +5,31 @@
 /// foot by foot, it decides as soon as a foot has landed.
 #pragma once
 
-#include <random>
-#include <string>
+#include <optional>
+#include <string_view>
+#include <vector>
 
-#include "app/session.hpp"
+#include "baton/plan/modes.hpp"
+#include "baton/proving/eyes.hpp"
 
-namespace baton::app {
+namespace baton {
 
-class RoomOperator {
+class RoomOperator : public Operator {
  public:
   struct Parameters {
-    double sight_error = 0.001;      ///< standard deviation of seen positions [m]
-    double sight_yaw_error = 0.005;  ///< of seen headings [rad]
-    double reaction = 0.15;          ///< from rest, or from a refusal, to the next deflection [s]
-    double patience = 0.3;           ///< a deflection that moves nothing is given up after this [s]
-    double near = 0.004;             ///< the hand is at the door when it is seen as near as this [m]
-    double settle = 1.3;             ///< how long the hand is then held there [s]
-    bool foot_by_foot = false;       ///< down the steps, as in the paper, also with a robot that flows
-    double foresight = 0.2;          ///< what moves is taken to go on for that long after the stick is let go of [s]
+    Eyes::Parameters eyes{};
+    double reaction = 0.15;     ///< from rest, or from a refusal, to the next deflection [s]
+    double patience = 0.3;      ///< a deflection that moves nothing is given up after this [s]
+    double near = 0.004;        ///< the hand is at the door when it is seen as near as this [m]
+    double settle = 1.3;        ///< how long the hand is then held there [s]
+    bool foot_by_foot = false;  ///< down the steps, as in the paper, also with a robot that flows
   };
 
   /// @throws InputError the world has no site `door_B`
   RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait);
   RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait, Parameters parameters);
 
-  /// The stick at this moment, by what is seen of the session.
-  [[nodiscard]] Command decide(const Session& session);
+  [[nodiscard]] Command decide(const View& view) override;
 
   [[nodiscard]] bool done() const { return stage_ == Stage::done; }
   /// What it is doing, for people.
@@ -39,24 +38,10 @@ class RoomOperator {
  private:
   enum class Stage { face, crouch, steps, rise, cross, align, reach, hold, done };
 
-  /// What can be seen of the robot from outside.
-  struct Sight {
-    BySide<Pose> sole;
-    Vec3 com;
-    Vec3 hand;               ///< left
-    Vec3 shoulder;           ///< left
-    double heading = 0.0;    ///< mean yaw of both feet [rad]
-    double trunk_yaw = 0.0;  ///< [rad]
-    [[nodiscard]] Vec2 feet() const { return 0.5 * (sole.left.p + sole.right.p).head<2>(); }
-  };
-
-  [[nodiscard]] Sight look(const Session& session);
-  /// Where it will come to rest by itself, by this look and the last.
-  [[nodiscard]] Sight foreseen(const Session& session);
   /// One deflection after the other.
-  [[nodiscard]] Command step_by_step(const Session& session);
+  [[nodiscard]] Command step_by_step(const View& view);
   /// The stick corrected on the way.
-  [[nodiscard]] Command steer(const Session& session);
+  [[nodiscard]] Command steer(const View& view);
   /// The next deflection of this stage, or nothing if the stage is over.
   [[nodiscard]] std::optional<Command> next(const Sight& sight);
   [[nodiscard]] std::optional<Command> face(const Sight& sight) const;
@@ -75,30 +60,40 @@ class RoomOperator {
   [[nodiscard]] double turn_back(double yaw) const;
   [[nodiscard]] Vec2 place_to_reach_from(const Sight& sight) const;
 
+  /// What it knows of the room.
+  struct Room {
+    Vec3 door;                  ///< where the hand is to be held
+    std::vector<double> edges;  ///< x of the edges to go down, in order [m]
+  };
+  /// A deflection, held until the robot moves.
+  struct Deflection {
+    bool held = false;
+    long moved = 0;      ///< motions before it
+    bool swung = false;  ///< a foot was up since
+    double since = 0.0;  ///< it, or rest, began then [s]
+    int refusals = 0;    ///< in a row
+  };
+  /// Feet that go through the air.
+  struct Feet {
+    BySide<bool> lifted{false, false};
+    BySide<Vec2> landing{Vec2::Zero(), Vec2::Zero()};  ///< where they are to land
+  };
+
   const RobotModel* robot_;
   Gait gait_;
-  bool foot_by_foot_;  ///< down the steps
   Parameters parameters_;
-  std::mt19937_64 random_;
-  Kinematics kinematics_;
-  Vec3 door_;
-  std::vector<double> edges_;  ///< x of the edges to go down, in order [m]
-  double sole_length_ = 0.0;   ///< half [m]
+  Eyes eyes_;
+  Room room_;
+  double sole_length_ = 0.0;  ///< half [m]
 
   Stage stage_ = Stage::face;
-  Command stick_;                 ///< as held now
-  bool deflected_ = false;        ///< a deflection is held until the robot moves
-  long moved_ = 0;                ///< motions before it
-  bool swung_ = false;            ///< a foot was up since
+  bool foot_by_foot_;             ///< down the steps
   std::optional<Stage> steered_;  ///< the stage in which it has steered as far as that goes
-  std::optional<Sight> last_look_;
-  double looked_ = 0.0;          ///< when [s]
-  double since_ = 0.0;           ///< rest, or the present deflection, began then [s]
-  int refusals_ = 0;             ///< in a row
+  Command stick_;                 ///< as held now
+  Deflection deflection_;
   double reaching_since_ = 0.0;  ///< [s]
   std::size_t approach_ = 0;     ///< places that the hand was stretched out from in vain
-  BySide<bool> lifted_{false, false};
-  BySide<Vec2> landing_{Vec2::Zero(), Vec2::Zero()};  ///< where a lifted foot is to land
+  Feet feet_;
 };
 
-}  // namespace baton::app
+}  // namespace baton

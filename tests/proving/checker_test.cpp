@@ -1,4 +1,4 @@
-#include "app/checker.hpp"
+#include "baton/proving/checker.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,11 +6,11 @@
 #include <functional>
 #include <set>
 
-#include "app/session.hpp"
 #include "baton/input/script.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 using Kind = Checker::Kind;
@@ -32,15 +32,18 @@ const Recorded& recorded(const std::string& name) {
   Recorded& made = known[name];
   if (!made.ticks.empty()) return made;
   const World world = World::load("flat");
-  Session session(test::robot(name), world, Session::On::ideal);
-  made.model_text = session.model_text();
-  session.on_tick = [&made](const TickRecord& r) {
+  Simulation simulation(test::robot(name), world, Simulation::On::ideal);
+  Session& session = simulation.session();
+  made.model_text = simulation.model_text();
+  Hooks hooks;
+  session.add(hooks);
+  hooks.tick = [&made](const TickRecord& r) {
     made.ticks.push_back(
-        {r.t, Pose{}, r.truth.q, r.navigator.sample().contact, r.navigator.phase() == Phase::hold, false, r.target.q});
+        {r.t, Pose{}, r.truth->q, r.navigator.sample().contact, r.navigator.phase() == Phase::hold, false, r.target.q});
   };
   Script script = Script::parse(kScript, "walk");
   while (session.t() < 5.0)
-    session.step(script.read(session.t()));
+    session.step(script);
   return made;
 }
 
@@ -301,12 +304,12 @@ TEST_P(CheckerTest, WhatIsBelievedLaterOfWhereASoleWasPutDownIsNotItsFault) {
 }
 
 TEST(Checker, SharesNoCodeWithWhatItJudges) {
-  for (const char* file : {"/app/checker.hpp", "/app/checker.cpp"}) {
+  for (const char* file : {"/baton/proving/checker.hpp", "/baton/proving/checker.cpp"}) {
     std::ifstream in(std::string(BATON_SOURCE_DIR) + file);
     ASSERT_TRUE(in);
     for (std::string line; std::getline(in, line);) {
       if (!line.starts_with("#include \"")) continue;
-      EXPECT_TRUE(line.find("baton/model/") != std::string::npos || line.find("app/checker") != std::string::npos)
+      EXPECT_TRUE(line.find("baton/model/") != std::string::npos || line.find("proving/checker") != std::string::npos)
           << line;
       EXPECT_EQ(line.find("contact"), std::string::npos) << line;
       EXPECT_EQ(line.find("kinematics"), std::string::npos) << line;
@@ -315,4 +318,4 @@ TEST(Checker, SharesNoCodeWithWhatItJudges) {
 }
 
 }  // namespace
-}  // namespace baton::app
+}  // namespace baton

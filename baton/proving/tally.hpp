@@ -1,4 +1,4 @@
-/// What many episodes of a soak add up to, and what follows for the rate of failures.
+/// Totals over the episodes of a soak, and the confidence bound for the rate of failures.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 
 #include "baton/input/json_reader.hpp"
 
-namespace baton::app {
+namespace baton {
 
 /// Upper end of the one-sided 95 % confidence interval for the rate of failures, after `failures` in `trials`
 /// independent trials (Clopper and Pearson): the largest rate at which so few would be seen in 5 % of such runs. 1
@@ -59,4 +59,4 @@ struct Tally {
   [[nodiscard]] static Tally from_json(const JsonReader& read);
 };
 
-}  // namespace baton::app
+}  // namespace baton

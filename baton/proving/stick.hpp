@@ -1,42 +1,16 @@
-/// A stick at random: what a hand, a child or a broken device may do to it. The same seed gives the same stick, on
-/// every computer.
+/// A random stick: what a hand, a child or a broken device may do. A function of its seed, the same on every computer.
 #pragma once
 
 #include <array>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <random>
 #include <string>
 #include <string_view>
 
-#include "baton/guide/command.hpp"
+#include "baton/input/device.hpp"
+#include "baton/proving/dice.hpp"
 
-namespace baton::app {
+namespace baton {
 
-/// Seed of one of many streams: well mixed, so that neighbours have nothing in common.
-[[nodiscard]] std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream);
-
-/// Integers at random, and all else from them by arithmetic that is exact.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  /// 0 … n − 1.
-  [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-  /// lo … hi.
-  [[nodiscard]] int between(int lo, int hi) { return lo + below(hi - lo + 1); }
-  [[nodiscard]] bool percent(int chance) { return below(100) < chance; }
-  [[nodiscard]] double sign() { return percent(50) ? 1.0 : -1.0; }
-  /// 0 … 1, a multiple of 2⁻⁵³, without 1.
-  [[nodiscard]] double share() { return std::ldexp(static_cast<double>(engine_() >> 11), -53); }
-  /// −1 … 1, a multiple of 1/1024.
-  [[nodiscard]] double axis() { return (below(2049) - 1024) / 1024.0; }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-class Stick {
+class Stick : public Device {
  public:
   /// What goes on at the stick for some time.
   enum class Style {
@@ -58,12 +32,15 @@ class Stick {
   /// @param period of a tick [s]
   Stick(std::uint64_t seed, double period);
 
-  /// The command of the next tick. Unless it is pinned, the stick is let go of again and again for a moment, at random
-  /// ticks, as if the device were lost. At any time the stick has been deflected for at least 75 % of it, but for the
-  /// stretch under way.
+  /// The command of the next tick. Unless pinned, the stick is let go of for moments at random, as if the device were
+  /// lost. Up to the current stretch it has been deflected for at least 75 % of the time.
   [[nodiscard]] Command next();
 
-  /// What it belongs to.
+  /// As `next`; call it once a tick.
+  [[nodiscard]] Command read(double /*t*/) override { return next(); }
+  [[nodiscard]] DeviceStatus status() const override;
+
+  /// Of the last command.
   [[nodiscard]] Style style() const { return style_; }
 
   /// Whether a command asks for something that can be seen: an axis or the guided foot's lever beyond 1/20.
@@ -92,8 +69,8 @@ class Stick {
   long deflected_ = 0;
 };
 
-/// Ticks 0 … `ticks` − 1 of a stick as a script that gives the very same commands (docs/input.md), then a line with
-/// the stick let go.
-[[nodiscard]] std::string stick_script(const std::function<Command()>& stick, double period, long ticks);
+/// The commands of a stick in the ticks 0 … `ticks` − 1 of a run as a script (docs/input.md) that gives the very same
+/// commands, and at the end lets go.
+[[nodiscard]] std::string stick_script(Device& stick, double period, long ticks);
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,15 +1,15 @@
-/// What a robot meets in physics that its model does not have (docs/balance.md).
+/// Physics that differs from the model: what a robot may meet (docs/balance.md).
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "baton/guide/command.hpp"
+#include "baton/input/device.hpp"
 #include "baton/robot/plant.hpp"
 
-namespace baton::app {
+namespace baton {
 
 /// What goes on at the stick meanwhile.
 enum class Driving {
@@ -32,14 +32,18 @@ struct Scenario {
 /// @throws InputError there is none of this name
 [[nodiscard]] const Scenario& scenario_named(const std::string& name);
 
-/// One such plant. Lengths and impulses grow with the robot.
+/// The plant of a scenario. Lengths and impulses scale with the robot.
 /// @param times factor on how far it is from the model
 [[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0);
 
-/// The stick of such an episode, tick by tick.
-[[nodiscard]] std::function<Command()> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
+/// The stick of a run in this scenario, to be read once a tick.
+[[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
-/// The drive that the robot has there.
+/// The robot with another kind of drive. A stiff drive in place of another has servos kStiff times as stiff.
+[[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
+inline constexpr double kStiff = 8.0;
+
+/// The drive of the robot in this scenario.
 [[nodiscard]] Drive drive_of(const Scenario& scenario, const RobotModel& robot);
 
-}  // namespace baton::app
+}  // namespace baton

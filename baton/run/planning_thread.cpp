@@ -1,13 +1,13 @@
-#include "app/planning_thread.hpp"
+#include "baton/run/planning_thread.hpp"
 
 #include <utility>
 
-#include "app/session.hpp"
+#include "baton/run/cpu_time.hpp"
 
-namespace baton::app {
+namespace baton {
 
 PlanningThread::PlanningThread(const RobotModel& robot, const World& world, Modes modes)
-    : planning_(robot, world, modes), thread_([this] { run(); }) {}
+    : strategy_(robot, world, modes), thread_([this] { run(); }) {}
 
 PlanningThread::~PlanningThread() {
   // An answer that is being worked out comes first, then the end.
@@ -24,13 +24,19 @@ void PlanningThread::post(Request request) {
   state_.notify_one();
 }
 
-std::optional<PlanningThread::Reply> PlanningThread::poll() {
+std::optional<Planning::Reply> PlanningThread::poll(long /*tick*/) {
   if (state_.load(std::memory_order_acquire) != State::answered) return std::nullopt;
   std::optional<Reply> answer = std::move(reply_);
   const std::exception_ptr error = std::exchange(error_, nullptr);
   state_.store(State::idle, std::memory_order_release);
   if (error) std::rethrow_exception(error);
   return answer;
+}
+
+void PlanningThread::reset() {
+  state_.wait(State::posted);
+  error_ = nullptr;
+  state_.store(State::idle, std::memory_order_release);
 }
 
 void PlanningThread::run() {
@@ -42,9 +48,9 @@ void PlanningThread::run() {
     }
     if (state == State::ending) return;
     try {
-      const double asked = cpu_us();
-      reply_.result = planning_.plan(reply_.request);
-      reply_.plan_us = cpu_us() - asked;
+      const double before = cpu_us();
+      reply_.result = strategy_.plan(reply_.request);
+      reply_.plan_us = cpu_us() - before;
     } catch (...) {
       error_ = std::current_exception();
     }
@@ -53,4 +59,4 @@ void PlanningThread::run() {
   }
 }
 
-}  // namespace baton::app
+}  // namespace baton

@@ -1,23 +1,16 @@
-// Physics that is not the model, and the table of what the robot survives.
-#include "app/scenario.hpp"
+// Physics that is not the model.
+#include "baton/proving/scenario.hpp"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <set>
 
-#include "app/app.hpp"
-#include "app/episode.hpp"
 #include "baton/model/error.hpp"
+#include "baton/proving/episode.hpp"
 #include "tests/support/robots.hpp"
-#include "tests/support/scratch.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
-
-using test::Outcome;
-using test::run;
-using test::Scratch;
-using testing::HasSubstr;
 
 bool is_the_model(const Plant& p) {
   return !p.friction && !p.solref && p.mass == 1.0 && p.com_offset.isZero(0.0) && p.actuators.gain == 1.0 &&
@@ -86,12 +79,12 @@ TEST(Scenario, MightyStaysOnItsFeet) {
     RobotModel robot = RobotModel::load("mighty");
     const Drive drive = drive_of(scenario, robot);
     if (drive != robot.profile().drive) robot = with_drive(robot, drive);
-    Course course;
-    course.on = Session::On::sim;
-    course.seed = 4;
-    course.seconds = 4.0;
-    course.scenario = &scenario;
-    const EpisodeResult result = Episodes(robot, flat, course).run(0, stop);
+    Trial trial;
+    trial.on = Simulation::On::sim;
+    trial.seed = 4;
+    trial.seconds = 4.0;
+    trial.scenario = &scenario;
+    const EpisodeResult result = Episodes(robot, flat, trial).run(0, stop);
     EXPECT_EQ(result.summary["falls"], 0) << scenario.name;
     EXPECT_LT(result.summary["tilt_deg_max"].get<double>(), 25.0) << scenario.name;
     if (scenario.driving != Driving::stand) {
@@ -106,15 +99,16 @@ TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
   for (const long seed : {0, 1}) {  // fore and aft
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant_of(scenario_named("push_fore"), robot, static_cast<std::uint64_t>(seed), 1.6);
-    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
-    const double before = session.truth().q[0];
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
+    const double before = session.truth()->q[0];
     while (session.t() < 6.0 && !session.fallen())
       session.step({});
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
     EXPECT_GE(session.navigator().caught(), 1);
     EXPECT_TRUE(session.resting());
     EXPECT_EQ(session.navigator().guard(), Guard::armed);
-    EXPECT_GT((session.truth().q[0] - before) * (seed == 0 ? 1.0 : -1.0), 0.01) << "that way";
+    EXPECT_GT((session.truth()->q[0] - before) * (seed == 0 ? 1.0 : -1.0), 0.01) << "that way";
   }
 }
 
@@ -124,7 +118,8 @@ TEST(Scenario, AFootThatIsHeldUpComesDownWhereItCatchesMighty) {
   for (const double ahead : {1.6, -1.6}) {
     SimulatedRobot::Parameters parameters;
     parameters.plant.pushes = {{4.0, 0.05, Vec3(ahead, 0, 0)}};
-    Session session(robot, world, Session::On::sim, std::nullopt, parameters);
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
     Command command;
     command.guide = Part::left_foot;
     command.lift.left = 0.5;
@@ -134,53 +129,10 @@ TEST(Scenario, AFootThatIsHeldUpComesDownWhereItCatchesMighty) {
     ASSERT_FALSE(session.navigator().sample().contact.left);
     while (session.t() < 8.0 && !session.fallen())
       session.step(command);
-    EXPECT_FALSE(session.fallen()) << session.truth().fall;
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
     EXPECT_GE(session.navigator().caught(), 1);
   }
 }
 
-TEST(Soak, PrintsATableOfAScenarioAndAFallThatCanBeSeenAgain) {
-  const Scratch scratch;
-  // A push that fells everyone.
-  const Outcome outcome = run({"soak", "--scenario", "push_stand", "--times", "8", "--seeds", "3", "--seed", "5",
-                               "--report", scratch.path("r.json")});
-  EXPECT_EQ(outcome.code, kFallen);
-  EXPECT_THAT(outcome.out, HasSubstr("push_stand"));
-  EXPECT_THAT(outcome.out, HasSubstr("0/3"));
-  const nlohmann::json row = scratch.json("r.json")["scenarios"]["push_stand"];
-  EXPECT_EQ(row["tried"], 3);
-  EXPECT_EQ(row["survived"], 0);
-  EXPECT_EQ(row["fell_with_seeds"], nlohmann::json({5, 6, 7}));
-  EXPECT_NEAR(row["fall_rate_95"].get<double>(), 1.0, 1e-12);
-  // The line printed for the second of them, as it is.
-  const std::string script = scratch.path("r.json.push_stand-5-1.jsonl");
-  const std::string line = "--scenario push_stand --times 8 --seed 6";
-  EXPECT_THAT(outcome.out, HasSubstr(line));
-  EXPECT_EQ(run({"drive", "--world", "flat", "--on", "sim", "--scenario", "push_stand", "--times", "8", "--seed", "6",
-                 "--input", "script:" + script, "--fast", "--seconds", "6"})
-                .code,
-            kFallen);
-  EXPECT_EQ(
-      run({"drive", "--world", "flat", "--on", "sim", "--input", "script:" + script, "--fast", "--seconds", "6"}).code,
-      kDone);
-}
-
-TEST(Soak, AScenarioIsRefusedWithWhatWouldBeRight) {
-  const Outcome unknown = run({"soak", "--scenario", "earthquake", "--seeds", "2"});
-  EXPECT_EQ(unknown.code, kBadInput);
-  EXPECT_THAT(unknown.err, HasSubstr("nominal, friction"));
-  EXPECT_EQ(run({"soak", "--scenario", "mass"}).code, kBadInput);
-  EXPECT_EQ(run({"soak", "--scenario", "mass", "--seeds", "2", "--hours", "1"}).code, kBadInput);
-  EXPECT_EQ(run({"soak", "--segments", "5"}).code, kBadInput) << "without a report";
-  const Outcome tiles = run({"drive", "--scenario", "tiles", "--world", "room", "--fast", "--seconds", "1"});
-  EXPECT_EQ(tiles.code, kBadInput);
-  EXPECT_THAT(tiles.err, HasSubstr("one plane"));
-  const Outcome ideal = run({"drive", "--on", "ideal", "--scenario", "mass", "--fast", "--seconds", "1"});
-  EXPECT_EQ(ideal.code, kBadInput);
-  EXPECT_THAT(ideal.err, HasSubstr("--on sim"));
-  EXPECT_EQ(run({"drive", "--times", "2", "--fast", "--seconds", "1"}).code, kBadInput) << "of what?";
-  EXPECT_EQ(run({"drive", "--state", "guess", "--fast", "--seconds", "1"}).code, kBadInput);
-}
-
 }  // namespace
-}  // namespace baton::app
+}  // namespace baton

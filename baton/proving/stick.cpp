@@ -1,12 +1,12 @@
-#include "app/stick.hpp"
+#include "baton/proving/stick.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "app/outputs.hpp"
+#include "baton/input/script.hpp"
 
-namespace baton::app {
+namespace baton {
 namespace {
 
 constexpr double kVisible = 0.05;
@@ -17,17 +17,11 @@ constexpr int kPinned = 6;  ///< percent of the sticks begin with it
 
 }  // namespace
 
-std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream) {
-  const auto mix = [](std::uint64_t x) {  // splitmix64
-    x += 0x9e3779b97f4a7c15ULL;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-    return x ^ (x >> 31);
-  };
-  return mix(mix(seed) + stream);
-}
-
 Stick::Stick(std::uint64_t seed, double period) : dice_(seed), period_(period) {}
+
+DeviceStatus Stick::status() const {
+  return {.name = "stick at random", .connected = true, .armed = true, .hint = ""};
+}
 
 bool Stick::deflected(const Command& command) {
   const Command c = sanitised(command);
@@ -218,17 +212,18 @@ double Stick::strange() {
   return values[static_cast<std::size_t>(dice_.below(values.size()))];
 }
 
-std::string stick_script(const std::function<Command()>& stick, double period, long ticks) {
+std::string stick_script(Device& stick, double period, long ticks) {
   std::string text;
   std::string last;
   for (long k = 0; k < ticks; ++k) {
-    const Command command = stick();
+    const double t = static_cast<double>(k) * period;
+    const Command command = stick.read(t);
     std::string same = script_line(0.0, command);
     if (same == last) continue;
     last = std::move(same);
-    text += script_line(static_cast<double>(k) * period, command) + '\n';
+    text += script_line(t, command) + '\n';
   }
   return text + script_line(static_cast<double>(ticks) * period, Command{}) + '\n';
 }
 
-}  // namespace baton::app
+}  // namespace baton

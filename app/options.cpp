@@ -1,0 +1,57 @@
+#include "app/options.hpp"
+
+#include <fmt/format.h>
+
+#include "baton/model/error.hpp"
+#include "baton/proving/scenario.hpp"
+
+namespace baton::app {
+
+Modes modes_of(const ModeOptions& o) {
+  return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
+          o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink, o.gait == "flow" ? Gait::flow : Gait::stop};
+}
+
+RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive) {
+  RobotModel robot = RobotModel::load(name_or_file);
+  return drive ? with_drive(robot, drive_named(*drive, "--drive")) : std::move(robot);
+}
+
+RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file) {
+  RobotModel robot = load_robot(name_or_file, options.drive);
+  if (!options.scenario) return robot;
+  const Drive drive = drive_of(scenario_named(*options.scenario), robot);
+  return drive == robot.profile().drive ? std::move(robot) : with_drive(robot, drive);
+}
+
+Simulation::On on_named(const std::string& on) {
+  return on == "sim" ? Simulation::On::sim : Simulation::On::ideal;
+}
+
+SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
+                                         long seed) {
+  if (options.scenario && on != "sim")
+    throw InputError(
+        fmt::format("--scenario {} with --on {}: must be --on sim, there is physics", *options.scenario, on));
+  if (!options.scenario && options.times != 1.0)
+    throw InputError(fmt::format("--times {} without --scenario: there is nothing to be farther from", options.times));
+  SimulatedRobot::Parameters parameters;
+  if (options.scenario) {
+    parameters.plant =
+        plant_of(scenario_named(*options.scenario), robot, static_cast<std::uint64_t>(seed), options.times);
+  }
+  return parameters;
+}
+
+AnswerFaults faults_of(const AnswerOptions& options) {
+  return {1e-3 * options.delay_ms, options.loss};
+}
+
+StateSource state_named(const std::string& name) {
+  for (const StateSource source : {StateSource::sensors, StateSource::torques, StateSource::perfect}) {
+    if (name == to_string(source)) return source;
+  }
+  throw InputError(fmt::format("--state {}: should be sensors, torques or perfect", name));
+}
+
+}  // namespace baton::app

@@ -1,0 +1,44 @@
+/// A session with a robot that exists only in the computer.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "baton/robot/simulated_robot.hpp"
+#include "baton/run/session.hpp"
+
+namespace baton {
+
+class Simulation {
+ public:
+  /// sim: in physics; ideal: joints go exactly where they are told.
+  enum class On { sim, ideal };
+
+  struct Parameters {
+    std::optional<Posture> start{};        ///< in the world; default: standing at the world's site `start`
+    SimulatedRobot::Parameters physics{};  ///< for `sim`
+    Session::Parameters session{};
+  };
+
+  /// Model and world must outlive the object.
+  /// @throws InputError robot and world do not go together
+  Simulation(const RobotModel& model, const World& world, On on) : Simulation(model, world, on, Parameters{}) {}
+  Simulation(const RobotModel& model, const World& world, On on, const Parameters& parameters);
+
+  [[nodiscard]] Session& session() { return *session_; }
+  [[nodiscard]] const Session& session() const { return *session_; }
+  [[nodiscard]] const Truth& truth() const { return *robot_->truth(); }
+  /// Robot and world in one model, as MJCF text: what is stepped on `sim`.
+  [[nodiscard]] const std::string& model_text() const { return model_text_; }
+  /// Null on `ideal`.
+  [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
+
+ private:
+  std::string model_text_;
+  SimulatedRobot* simulated_ = nullptr;
+  std::unique_ptr<Robot> robot_;
+  std::optional<Session> session_;
+};
+
+}  // namespace baton

@@ -1,0 +1,55 @@
+/// Port for everything that observes a run: traces, reports, recordings, judges.
+#pragma once
+
+#include <functional>
+
+#include "baton/navigate/navigator.hpp"
+#include "baton/robot/robot.hpp"
+
+namespace baton {
+
+/// One tick: the state before the target of this tick is written.
+struct TickRecord {
+  double t = 0.0;  ///< at the beginning of the tick [s]
+  const Navigator& navigator;
+  const Measurement& measurement;
+  const Truth* truth;  ///< null if the robot has none
+  const JointTarget& target;
+  double tick_us = 0.0;  ///< CPU time of Navigator::tick [µs]
+};
+
+/// One answer of the planner.
+struct PlanRecord {
+  double t = 0.0;  ///< when it is handed to the navigator [s]
+  const Request& request;
+  const Answer& result;
+  double plan_us = 0.0;  ///< CPU time of planning it [µs]
+};
+
+/// What passes between navigator and planning after a tick.
+enum class PlanningEvent { ask, offer };
+
+class Sink {
+ public:
+  virtual ~Sink() = default;
+
+  virtual void on_tick(const TickRecord& /*record*/) {}
+  virtual void on_plan(const PlanRecord& /*record*/) {}
+  virtual void on_event(PlanningEvent /*event*/) {}
+};
+
+/// A sink made of functions; empty ones are skipped.
+class Hooks : public Sink {
+ public:
+  std::function<void(const TickRecord&)> tick;
+  std::function<void(const PlanRecord&)> plan;
+
+  void on_tick(const TickRecord& record) override {
+    if (tick) tick(record);
+  }
+  void on_plan(const PlanRecord& record) override {
+    if (plan) plan(record);
+  }
+};
+
+}  // namespace baton
