@@ -10,8 +10,8 @@ constexpr int kStuck = 3;  ///< refusals of a part in a row after which the oper
 }  // namespace
 
 void Refusals::look(const Navigator& navigator) {
-  const bool stood = std::exchange(stands_, navigator.refusal() != nullptr);
-  const bool new_one = stands_ && !stood;
+  const Refused* event = find<Refused>(navigator.events());
+  const bool new_one = event != nullptr && !event->again;
   changed_ = changed_ || differs(navigator.command(), refused_);
   if (new_one) {
     ++count_;

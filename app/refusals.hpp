@@ -23,7 +23,6 @@ class Refusals {
  private:
   std::optional<Refusal> newest_;
   int count_ = 0;
-  bool stands_ = false;      ///< the newest does
   Part part_ = Part::trunk;  ///< that was refused last
   Command refused_;          ///< what was
   bool changed_ = false;     ///< something else was asked for since

@@ -39,10 +39,8 @@ View::View(const Simulation& simulation, int port)
 void View::show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals) {
   const Session& session = simulation.session();
   const Navigator& nav = session.navigator();
-  if (nav.segment() != segment_) {
-    segment_ = nav.segment();
-    segment_start_ = session.t();
-  }
+  if (find<Committed>(nav.events()) != nullptr) segment_start_ = session.t();
+  if (find<Slipped>(nav.events()) != nullptr) slipped_ = session.t();
   if (session.t() - shown_ < 1.0 / 30.0 && !session.fallen()) return;
   shown_ = session.t();
 
@@ -83,10 +81,6 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   frame.refusals = refusals.count();
   frame.stuck = refusals.stuck();
   frame.activity = activity(session);
-  if (nav.slips() > slips_) {
-    slips_ = nav.slips();
-    slipped_ = session.t();
-  }
   if (!nav.disturbed()) {
     steady_ = session.t();
     caught_ = nav.caught();
@@ -95,7 +89,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
     frame.message = "The robot fell: " + truth.fall + ".";
   } else if (nav.guard() == Guard::lifted) {
     frame.message = "Lifted off the ground: it goes on when it stands again and the stick was let go of.";
-  } else if (session.t() < slipped_ + kSlipShows && nav.slips() > 0) {
+  } else if (session.t() < slipped_ + kSlipShows) {
     frame.message = fmt::format("A sole slid by {:.0f} mm: it goes on from where it stands, without a way back.",
                                 1e3 * nav.last_slip());
   } else if (nav.disturbed() && nav.caught() > caught_) {

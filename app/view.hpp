@@ -28,12 +28,10 @@ class View {
   DataPtr data_;
   Cockpit cockpit_;
   double shown_ = -1.0;
-  double steady_ = 0.0;  ///< when it was last not pushed off its way [s]
-  long caught_ = 0;      ///< steps that were to catch it, until then
-  long slips_ = 0;
-  double slipped_ = 0.0;  ///< when it was found to have slipped last [s]
+  double steady_ = 0.0;    ///< when it was last not pushed off its way [s]
+  long caught_ = 0;        ///< steps that were to catch it, until then
+  double slipped_ = -1e9;  ///< when it was found to have slipped last [s]
   double segment_start_ = 0.0;
-  long segment_ = -1;
 };
 
 /// What the robot does, in a word.

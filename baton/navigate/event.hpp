@@ -14,10 +14,12 @@ namespace baton {
 struct Committed {
   long segment = 0;  ///< its number, from 0
 };
-/// The motion under way has ended: the robot rests.
-struct Rested {};
+/// The motion under way is over: the robot rests, or has fallen. One that is replaced on its way does not end.
+struct Ended {};
 /// A command was refused: `Navigator::refusal()`.
-struct Refused {};
+struct Refused {
+  bool again = false;  ///< a refusal stood already
+};
 /// An answer was not there at the take-over.
 struct AnswerLate {};
 /// Soles slid too far from where they were planned for the way back to be kept.
@@ -33,7 +35,16 @@ struct GuardChanged {
   Guard to = Guard::armed;
 };
 
-using Event = std::variant<Committed, Rested, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged>;
+using Event = std::variant<Committed, Ended, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged>;
+
+/// The event of a kind; null if there is none among these.
+template <typename Kind>
+[[nodiscard]] const Kind* find(std::span<const Event> events) {
+  for (const Event& event : events) {
+    if (const auto* found = std::get_if<Kind>(&event)) return found;
+  }
+  return nullptr;
+}
 
 /// The events of one tick.
 class Events {
@@ -45,7 +56,7 @@ class Events {
   [[nodiscard]] std::span<const Event> list() const { return {events_.data(), count_}; }
 
  private:
-  std::array<Event, 16> events_;  ///< more than a tick and its poll can have: each kind happens twice at most
+  std::array<Event, 16> events_;  ///< more than a tick can have: each kind happens twice at most
   std::size_t count_ = 0;
 };
 

@@ -32,9 +32,8 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   if (!(command_ == refused_.command)) drop_refusal();
   exchange_.countered = exchange_.countered || command_.recall == Recall::stop;
 
-  const bool moved = motion() != nullptr;
   course_.advance(retired_);
-  if (moved && motion() == nullptr) events_.add(Rested{});
+  tell_end();
   watch_.estimate(measurement, course_.sample(), course_.anchor());
   const bool soft = watch_.soft();
   watch_.judge(course_.sample(), course_.anchor(), command_.neutral());
@@ -64,7 +63,6 @@ void Navigator::poll() {
     course_.forget_trail();
   }
   history_.forget();
-  tell_changes();
 }
 
 Situation Navigator::situation() const {
@@ -143,6 +141,7 @@ void Navigator::commit(std::shared_ptr<const Answer> answer) {
   }
   course_.commit(std::move(answer), std::move(retraced), retired_);
   drop_refusal();
+  told_.executing = true;
   events_.add(Committed{course_.committed() - 1});
 }
 
@@ -151,9 +150,9 @@ void Navigator::refuse(const std::shared_ptr<const Answer>& answer) {
   const bool at_rest = motion() == nullptr;
   if (at_rest && refusal == nullptr) return;
   if (refusal != nullptr && (at_rest || !answer->context.goes_on)) {
+    events_.add(Refused{refused_.refusal != nullptr});
     drop_refusal();
     refused_.refusal = {answer, refusal};
-    events_.add(Refused{});
   }
   refused_.at_rest = at_rest;
   refused_.command = answer->command;
@@ -188,11 +187,16 @@ void Navigator::begin_anew() {
   watch_.arm();
 }
 
+void Navigator::tell_end() {
+  if (std::exchange(told_.executing, motion() != nullptr) && motion() == nullptr) events_.add(Ended{});
+}
+
 void Navigator::tell_changes() {
+  tell_end();
   if (watch_.slips() != told_.slips) events_.add(Slipped{watch_.last_slip()});
   if (watch_.disturbed() != told_.disturbed) events_.add(DisturbedChanged{watch_.disturbed()});
   if (watch_.guard() != told_.guard) events_.add(GuardChanged{told_.guard, watch_.guard()});
-  told_ = {watch_.guard(), watch_.disturbed(), watch_.slips()};
+  told_ = {motion() != nullptr, watch_.guard(), watch_.disturbed(), watch_.slips()};
 }
 
 Purpose Navigator::purpose() const {

@@ -61,7 +61,7 @@ class Navigator {
   /// Clears the plan, as after a fall: nothing planned may be executed then, and the motors go soft.
   void fall();
 
-  /// What has happened since the newest tick began, that tick included, in its order.
+  /// What has happened since the tick before the newest, until the end of the newest, in its order.
   [[nodiscard]] std::span<const Event> events() const { return events_.list(); }
 
   [[nodiscard]] long now() const { return tick_; }
@@ -119,8 +119,9 @@ class Navigator {
   void drop_plan();
   /// Begins anew from where the robot stands, after a fall.
   void begin_anew();
-  /// Tells of what has changed since it was told last.
+  /// Adds events for what has changed since the events before.
   void tell_changes();
+  void tell_end();
   [[nodiscard]] Situation situation() const;
 
   const RobotModel* robot_;
@@ -139,6 +140,7 @@ class Navigator {
   Events events_;
   /// What events were told of last.
   struct Told {
+    bool executing = false;
     Guard guard = Guard::armed;
     bool disturbed = false;
     long slips = 0;

@@ -49,7 +49,6 @@ class TickJudge : public Sink {
   Failures* failures_;
   Tally* tally_;
   Checker::Tick tick_;
-  long committed_ = 0;
   VecX last_;
 };
 
@@ -78,8 +77,7 @@ class WayBack : public Sink {
   Failures* failures_;
   Tally::Retrace* sum_;
   bool going_ = false;
-  std::deque<VecX> rests_;  ///< where the motions that can be retraced began
-  long committed_ = 0;
+  std::deque<VecX> rests_;       ///< where the motions that can be retraced began
   long motion_ends_ = 0;         ///< the one under way, if nothing replaces it [tick]
   std::optional<VecX> back_to_;  ///< where the motion back that is under way shall end
   bool part_ = false;            ///< it goes only a part of the way there

@@ -21,8 +21,7 @@ class CommandAccount {
 
   /// One tick.
   /// @param truth the robot's configuration at this tick
-  /// @param begins a motion begins at this tick
-  void add(const TickRecord& record, const Kinematics& truth, bool begins);
+  void add(const TickRecord& record, const Kinematics& truth);
 
   /// The planner has answered a request: a motion that begins now is for the present command.
   void answered(const Request& request);

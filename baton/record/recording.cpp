@@ -122,7 +122,7 @@ void RecordingWriter::on_tick(const TickRecord& record) {
   tick_ = line.dump();
 }
 
-void RecordingWriter::on_event(PlanningEvent event) {
+void RecordingWriter::on_planning(PlanningEvent event) {
   events_ += fmt::format("{}\"{}\"", events_.empty() ? "" : ",", event == PlanningEvent::ask ? "ask" : "offer");
 }
 

@@ -23,7 +23,7 @@ class RecordingWriter : public Sink {
   RecordingWriter(const std::filesystem::path& file, const nlohmann::json& head);
 
   void on_tick(const TickRecord& record) override;
-  void on_event(PlanningEvent event) override;
+  void on_planning(PlanningEvent event) override;
 
   /// Writes what is left.
   /// @throws std::runtime_error the recording could not be written whole

@@ -23,7 +23,7 @@ void Report::on_tick(const TickRecord& record) {
   duration_ = record.t + robot_->profile().tick.period;
   tick_.add(record.tick_us);
   if (record.truth != nullptr) kinematics_.set(record.truth->q);
-  commands_.add(record, kinematics_, segments_.begins(nav));
+  commands_.add(record, kinematics_);
   segments_.add(nav, kinematics_.com());
   has_truth_ = record.truth != nullptr;
   if (!has_truth_) return;

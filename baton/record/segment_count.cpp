@@ -7,29 +7,30 @@
 namespace baton {
 
 double SegmentCount::travel(const Vec3& com) const {
-  return segment_ < 0 ? travel_ : travel_ + (com - com_start_).head<2>().norm();
+  return !executing_ ? travel_ : travel_ + (com - com_start_).head<2>().norm();
 }
 
 void SegmentCount::add(const Navigator& navigator, const Vec3& com) {
   caught_ = navigator.caught();
   slips_ = navigator.slips();
-  if (navigator.segment() != segment_) {
-    const bool began = begins(navigator);
+  const std::span<const Event> events = navigator.events();
+  const bool begins = find<Committed>(events) != nullptr;
+  if (begins || find<Ended>(events) != nullptr) {
     travel_ = travel(com);
-    segment_ = navigator.segment();
-    if (began) {
-      ++committed_;
-      const PlannedMotion& planned = *navigator.planned();
-      if (planned.limit) ++shrunk_[std::string(to_string(planned.limit->reason))];
-      com_start_ = com;
-      for (const Margin& margin : planned.motion.certificate().margins) {
-        if (margin.quantity == Reason::zmp) zmp_margin_ = std::min(zmp_margin_, margin.value);
-      }
+    executing_ = begins;
+  }
+  if (begins) {
+    ++committed_;
+    com_start_ = com;
+    const PlannedMotion& planned = *navigator.planned();
+    if (planned.limit) ++shrunk_[std::string(to_string(planned.limit->reason))];
+    for (const Margin& margin : planned.motion.certificate().margins) {
+      if (margin.quantity == Reason::zmp) zmp_margin_ = std::min(zmp_margin_, margin.value);
     }
   }
   if (!(navigator.command() == command_)) last_refused_.clear();
   command_ = navigator.command();
-  if (!navigator.refusal()) return;
+  if (find<Refused>(events) == nullptr) return;
   const Refusal& refusal = *navigator.refusal();
   const std::string key = fmt::format("{} {}", to_string(refusal.reason), to_string(refusal.part));
   if (key != last_refused_) ++refused_[std::string(to_string(refusal.reason))];

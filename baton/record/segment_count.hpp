@@ -12,11 +12,6 @@ namespace baton {
 
 class SegmentCount {
  public:
-  /// Whether a motion begins at this tick. To be asked before `add`.
-  [[nodiscard]] bool begins(const Navigator& navigator) const {
-    return navigator.segment() != segment_ && navigator.motion() != nullptr;
-  }
-
   /// One tick.
   /// @param com of the robot [m]
   void add(const Navigator& navigator, const Vec3& com);
@@ -32,7 +27,7 @@ class SegmentCount {
   [[nodiscard]] double zmp_margin() const { return zmp_margin_; }
 
  private:
-  long segment_ = -1;
+  bool executing_ = false;
   Vec3 com_start_ = Vec3::Zero();  ///< where the COM was when the motion began [m]
   double travel_ = 0.0;            ///< by motions that are over [m]
   long committed_ = 0;

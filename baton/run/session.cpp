@@ -50,7 +50,7 @@ void Session::plan() {
   std::optional<Request> request = navigator_->request();
   if (!request) return;
   for (Sink* sink : sinks_)
-    sink->on_event(PlanningEvent::ask);
+    sink->on_planning(PlanningEvent::ask);
   planning_->post(*std::move(request));
   hand_in();
 }
@@ -61,7 +61,7 @@ void Session::hand_in() {
   for (Sink* sink : sinks_)
     sink->on_plan({t(), reply->request, reply->result, reply->plan_us});
   for (Sink* sink : sinks_)
-    sink->on_event(PlanningEvent::offer);
+    sink->on_planning(PlanningEvent::offer);
   navigator_->answer(std::move(reply->result));
 }
 

@@ -8,7 +8,7 @@
 
 namespace baton {
 
-/// One tick: the state before the target of this tick is written.
+/// One tick: the state before the target of this tick is written. What has happened is in `Navigator::events`.
 struct TickRecord {
   double t = 0.0;  ///< at the beginning of the tick [s]
   const Navigator& navigator;
@@ -35,7 +35,7 @@ class Sink {
 
   virtual void on_tick(const TickRecord& /*record*/) {}
   virtual void on_plan(const PlanRecord& /*record*/) {}
-  virtual void on_event(PlanningEvent /*event*/) {}
+  virtual void on_planning(PlanningEvent /*event*/) {}
 };
 
 /// A sink made of functions; empty ones are skipped.

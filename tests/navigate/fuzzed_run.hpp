@@ -276,6 +276,17 @@ class FuzzedRun {
     }
   }
 
+  /// What events tell of, as the last tick left it.
+  struct Seen {
+    long committed = 0;
+    bool executing = false;
+    Guard guard = Guard::armed;
+    bool disturbed = false;
+    long slips = 0;
+    long dropped = 0;
+  };
+  Seen seen_;
+
   struct Before {
     long committed;
     Guard guard;
@@ -288,12 +299,38 @@ class FuzzedRun {
             began ? VecX(navigator_.sample().q.tail(robot_.nv() - 6)) : VecX()};
   }
 
+  /// Events tell of every change from tick to tick, and of nothing else.
+  void judge_events() {
+    const std::span<const Event> events = navigator_.events();
+    const long k = navigator_.now();
+    const Seen now{navigator_.committed(), navigator_.motion() != nullptr,
+                   navigator_.guard(),     navigator_.disturbed(),
+                   navigator_.slips(),     navigator_.dropped()};
+    const auto* committed = find<Committed>(events);
+    const bool ended = find<Ended>(events) != nullptr;
+    ASSERT_EQ(committed != nullptr, now.committed != seen_.committed) << k;
+    if (committed != nullptr) ASSERT_EQ(committed->segment, now.committed - 1) << k;
+    ASSERT_TRUE(seen_.executing || !ended) << k;
+    ASSERT_EQ(now.executing, committed != nullptr || (seen_.executing && !ended)) << k;
+    const auto* guard = find<GuardChanged>(events);
+    ASSERT_EQ(guard != nullptr, now.guard != seen_.guard) << k;
+    if (guard != nullptr) ASSERT_TRUE(guard->from == seen_.guard && guard->to == now.guard) << k;
+    const auto* disturbed = find<DisturbedChanged>(events);
+    ASSERT_EQ(disturbed != nullptr, now.disturbed != seen_.disturbed) << k;
+    if (disturbed != nullptr) ASSERT_EQ(disturbed->disturbed, now.disturbed) << k;
+    ASSERT_EQ(find<Slipped>(events) != nullptr, now.slips != seen_.slips) << k;
+    ASSERT_EQ(find<AnswerLate>(events) != nullptr, now.dropped != seen_.dropped) << k;
+    if (find<Refused>(events) != nullptr) ASSERT_NE(navigator_.refusal(), nullptr) << k;
+    seen_ = now;
+  }
+
   void judge(const Before& before, const Tick& tick, const JointTarget& target) {
     const Guard guard = navigator_.guard();
     const long k = navigator_.now();
     tally_.disturbed += navigator_.disturbed() ? 1 : 0;
     tally_.slips = navigator_.slips();
     ASSERT_TRUE(target.q.allFinite() && target.tau.allFinite()) << k;
+    judge_events();
 
     // The guard.
     if (guard != before.guard) {

@@ -39,7 +39,7 @@ class Diary : public Sink {
   void on_plan(const PlanRecord& record) override {
     lines.push_back("answer for " + std::to_string(record.result.at) + " at " + std::to_string(record.t));
   }
-  void on_event(PlanningEvent event) override { lines.emplace_back(event == PlanningEvent::ask ? "ask" : "offer"); }
+  void on_planning(PlanningEvent event) override { lines.emplace_back(event == PlanningEvent::ask ? "ask" : "offer"); }
 
   std::vector<std::string> lines;
 };
@@ -52,9 +52,9 @@ struct Case {
 
 std::vector<Case> cases() {
   Plant noisy;
-  noisy.encoder_noise = 1e-3;
-  noisy.force_noise = 0.05;
-  noisy.delay = 0.003;
+  noisy.sensors.encoder_noise = 1e-3;
+  noisy.sensors.force_noise = 0.05;
+  noisy.actuators.delay = 0.003;
   noisy.tilt = Vec3(0.02, 0.01, 0.0);
   noisy.seed = 3;
   Plant pushed;  // it falls
