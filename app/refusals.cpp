@@ -10,7 +10,7 @@ constexpr int kStuck = 3;  ///< refusals of a part in a row after which the oper
 }  // namespace
 
 void Refusals::look(const Navigator& navigator) {
-  const Refused* event = find<Refused>(navigator.events());
+  const Refused* event = find_event<Refused>(navigator.events());
   const bool new_one = event != nullptr && !event->again;
   changed_ = changed_ || differs(navigator.command(), refused_);
   if (new_one) {

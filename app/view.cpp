@@ -39,8 +39,8 @@ View::View(const Simulation& simulation, int port)
 void View::show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals) {
   const Session& session = simulation.session();
   const Navigator& nav = session.navigator();
-  if (find<Committed>(nav.events()) != nullptr) segment_start_ = session.t();
-  if (find<Slipped>(nav.events()) != nullptr) slipped_ = session.t();
+  if (find_event<Committed>(nav.events()) != nullptr) segment_start_ = session.t();
+  if (find_event<Slipped>(nav.events()) != nullptr) slipped_ = session.t();
   if (session.t() - shown_ < 1.0 / 30.0 && !session.fallen()) return;
   shown_ = session.t();
 

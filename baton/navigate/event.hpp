@@ -39,7 +39,7 @@ using Event = std::variant<Committed, Ended, Refused, AnswerLate, Slipped, Distu
 
 /// The event of a kind; null if there is none among these.
 template <typename Kind>
-[[nodiscard]] const Kind* find(std::span<const Event> events) {
+[[nodiscard]] const Kind* find_event(std::span<const Event> events) {
   for (const Event& event : events) {
     if (const auto* found = std::get_if<Kind>(&event)) return found;
   }

@@ -28,7 +28,7 @@ void TickJudge::on_tick(const TickRecord& record) {
   const Navigator& navigator = record.navigator;
   last_ = record.truth->q;
   if (navigator.phase() == Phase::fallen) return;
-  if (find<Committed>(navigator.events()) != nullptr) tally_->shrunk += navigator.planned()->limit ? 1 : 0;
+  if (find_event<Committed>(navigator.events()) != nullptr) tally_->shrunk += navigator.planned()->limit ? 1 : 0;
   if (!checker_) return;
   tick_ = {record.t,
            exact_ ? Pose{} : navigator.anchor(),
@@ -48,7 +48,7 @@ void WayBack::on_tick(const TickRecord& record) {
   if (navigator.phase() == Phase::fallen) return;
   const VecX& q = record.truth->q;
   const Motion* motion = navigator.motion();
-  const bool begins = find<Committed>(navigator.events()) != nullptr;
+  const bool begins = find_event<Committed>(navigator.events()) != nullptr;
   const bool from_rest = motion == nullptr || navigator.now() >= motion_ends_;
   if (begins) motion_ends_ = navigator.now() + motion->ticks();
   if (back_to_ && (begins || motion == nullptr)) {

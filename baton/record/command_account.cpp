@@ -69,7 +69,7 @@ void CommandAccount::account(const Credit& credit, const Kinematics& truth, bool
 
 void CommandAccount::add(const TickRecord& record, const Kinematics& truth) {
   const Navigator& nav = record.navigator;
-  const bool begins = find<Committed>(nav.events()) != nullptr;
+  const bool begins = find_event<Committed>(nav.events()) != nullptr;
   const Command& command = nav.command();
   if (!(command == last_command_)) {
     // A throttle that only stays up asks for nothing new.

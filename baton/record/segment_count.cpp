@@ -14,8 +14,8 @@ void SegmentCount::add(const Navigator& navigator, const Vec3& com) {
   caught_ = navigator.caught();
   slips_ = navigator.slips();
   const std::span<const Event> events = navigator.events();
-  const bool begins = find<Committed>(events) != nullptr;
-  if (begins || find<Ended>(events) != nullptr) {
+  const bool begins = find_event<Committed>(events) != nullptr;
+  if (begins || find_event<Ended>(events) != nullptr) {
     travel_ = travel(com);
     executing_ = begins;
   }
@@ -30,7 +30,7 @@ void SegmentCount::add(const Navigator& navigator, const Vec3& com) {
   }
   if (!(navigator.command() == command_)) last_refused_.clear();
   command_ = navigator.command();
-  if (find<Refused>(events) == nullptr) return;
+  if (find_event<Refused>(events) == nullptr) return;
   const Refusal& refusal = *navigator.refusal();
   const std::string key = fmt::format("{} {}", to_string(refusal.reason), to_string(refusal.part));
   if (key != last_refused_) ++refused_[std::string(to_string(refusal.reason))];

@@ -301,26 +301,34 @@ class FuzzedRun {
 
   /// Events tell of every change from tick to tick, and of nothing else.
   void judge_events() {
-    const std::span<const Event> events = navigator_.events();
+    const std::span<const baton::Event> events = navigator_.events();
     const long k = navigator_.now();
     const Seen now{navigator_.committed(), navigator_.motion() != nullptr,
                    navigator_.guard(),     navigator_.disturbed(),
                    navigator_.slips(),     navigator_.dropped()};
-    const auto* committed = find<Committed>(events);
-    const bool ended = find<Ended>(events) != nullptr;
+    const auto* committed = find_event<Committed>(events);
+    const bool ended = find_event<Ended>(events) != nullptr;
     ASSERT_EQ(committed != nullptr, now.committed != seen_.committed) << k;
-    if (committed != nullptr) ASSERT_EQ(committed->segment, now.committed - 1) << k;
+    if (committed != nullptr) {
+      ASSERT_EQ(committed->segment, now.committed - 1) << k;
+    }
     ASSERT_TRUE(seen_.executing || !ended) << k;
     ASSERT_EQ(now.executing, committed != nullptr || (seen_.executing && !ended)) << k;
-    const auto* guard = find<GuardChanged>(events);
+    const auto* guard = find_event<GuardChanged>(events);
     ASSERT_EQ(guard != nullptr, now.guard != seen_.guard) << k;
-    if (guard != nullptr) ASSERT_TRUE(guard->from == seen_.guard && guard->to == now.guard) << k;
-    const auto* disturbed = find<DisturbedChanged>(events);
+    if (guard != nullptr) {
+      ASSERT_TRUE(guard->from == seen_.guard && guard->to == now.guard) << k;
+    }
+    const auto* disturbed = find_event<DisturbedChanged>(events);
     ASSERT_EQ(disturbed != nullptr, now.disturbed != seen_.disturbed) << k;
-    if (disturbed != nullptr) ASSERT_EQ(disturbed->disturbed, now.disturbed) << k;
-    ASSERT_EQ(find<Slipped>(events) != nullptr, now.slips != seen_.slips) << k;
-    ASSERT_EQ(find<AnswerLate>(events) != nullptr, now.dropped != seen_.dropped) << k;
-    if (find<Refused>(events) != nullptr) ASSERT_NE(navigator_.refusal(), nullptr) << k;
+    if (disturbed != nullptr) {
+      ASSERT_EQ(disturbed->disturbed, now.disturbed) << k;
+    }
+    ASSERT_EQ(find_event<Slipped>(events) != nullptr, now.slips != seen_.slips) << k;
+    ASSERT_EQ(find_event<AnswerLate>(events) != nullptr, now.dropped != seen_.dropped) << k;
+    if (find_event<Refused>(events) != nullptr) {
+      ASSERT_NE(navigator_.refusal(), nullptr) << k;
+    }
     seen_ = now;
   }
 
