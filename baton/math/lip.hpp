@@ -26,7 +26,7 @@ struct VrpKnot {
 };
 
 /// How far the VRP of the whole body lies from that of its point mass, piecewise linear in time: the limbs' angular
-/// momentum (docs/theory.md §8). Empty: a point mass.
+/// momentum (docs/theory.md §3). Empty: a point mass.
 struct VrpOffset {
   std::vector<double> times;  ///< [s], increasing from 0
   std::vector<Vec3> values;   ///< [m]

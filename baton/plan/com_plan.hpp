@@ -1,5 +1,5 @@
 /// The centre of mass of a segment: contact phases, wishes for the VRP, and its knots inside the support polygons
-/// (docs/theory.md §3, §4, §8).
+/// (docs/theory.md §3, §4).
 #pragma once
 
 #include <memory>
