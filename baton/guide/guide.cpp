@@ -99,7 +99,7 @@ Goal Guide::stay(const GuideContext& context, Part guided) const {
   goal.guided = guided;
   goal.sole = context.from.sole;
   goal.contact = context.from.contact;
-  goal.unsure = context.unsure;
+  goal.place_uncertainty = context.place_uncertainty;
   goal.com = context.from.com;
   goal.trunk = leaning(context.from.trunk, robot_->profile().region.trunk_inclination);
   goal.arms = context.from.q.tail(robot_->nv() - 6);

@@ -30,10 +30,10 @@ struct GuideContext {
   std::optional<Step> step{};
   bool goes_on = false;  ///< the stick is held: better a step now than where there is no other way
 
-  double unsure = 0.0;  ///< how far off the robot's place may be: edges are kept so much farther away [m]
+  double place_uncertainty = 0.0;  ///< how far off the robot's place may be: edges are kept so much farther away [m]
 
-  Pose way{};   ///< where the planning frame would be if no sole had slid
-  Pose back{};  ///< of the move there, in the planning frame, what a guided trunk makes up for now
+  Pose slip_free_frame{};   ///< where the planning frame would be if no sole had slid
+  Pose drift_correction{};  ///< of the move there, in the planning frame, what a guided trunk makes up for now
 };
 
 /// Nothing is asked for; goals, the one that the rules prefer first and then what else would serve the command; or

@@ -27,8 +27,8 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   if (still && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }
-  goal.com.head<2>() = (context.back * goal.com).head<2>();
-  goal.trunk = context.back.R * goal.trunk;
+  goal.com.head<2>() = (context.drift_correction * goal.com).head<2>();
+  goal.trunk = context.drift_correction.R * goal.trunk;
   arms_home(goal);
   GuideResult result = stand_under(context, goal);
   auto* goals = std::get_if<std::vector<Goal>>(&result);
@@ -36,7 +36,8 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
     // Where no foot gets there, only the turn is made up for.
     Goal& made = (*goals)[i];
     const bool there = (made.com - goal.com).head<2>().norm() < kSamePlace;
-    made.back = there ? context.back : Pose{made.com - context.back.R * made.com, context.back.R};
+    made.drift_correction = there ? context.drift_correction
+                                  : Pose{made.com - context.drift_correction.R * made.com, context.drift_correction.R};
   }
   return result;
 }

@@ -65,7 +65,7 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
     return placement;
   }
   const Foothold foothold =
-      world_->foothold(in_world, profile.ground, edge.value_or(profile.margin.edge + context.unsure));
+      world_->foothold(in_world, profile.ground, edge.value_or(profile.margin.edge + context.place_uncertainty));
   if (!foothold.flat) {
     placement.against = {Reason::ground, part, foothold.deviation, profile.ground.flatness, ""};
     return placement;

@@ -29,8 +29,9 @@ struct Goal {
   Part guided = Part::trunk;
   std::optional<Side> swing;  ///< the foot that moves, if one does
   bool returns = false;       ///< it lands where it stood last
-  double unsure = 0.0;        ///< how far off the place of the robot may be: edges are kept so much farther away [m]
-  Pose back{};                ///< the part of it that makes up for soles that slid, a move of the planning frame
+  double place_uncertainty =
+      0.0;                  ///< how far off the place of the robot may be: edges are kept so much farther away [m]
+  Pose drift_correction{};  ///< the part of it that makes up for soles that slid, a move of the planning frame
   BySide<Pose> sole;
   BySide<bool> contact{true, true};
   Vec3 com = Vec3::Zero();

@@ -179,7 +179,7 @@ double Verifier::most_lean(const Motion& motion) {
 
 double Verifier::edge_margin(const Motion& motion) const {
   // Where a foot stood it may stand again, though a millimetre of slip has taken it into the margin.
-  return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.unsure;
+  return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.place_uncertainty;
 }
 
 double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
