@@ -72,7 +72,7 @@ class RobotModel {
   [[nodiscard]] const ConvexPolygon& sole(Side side) const { return sole_[side]; }
   [[nodiscard]] const BySide<std::vector<int>>& sole_geoms() const { return sole_geoms_; }
 
-  /// Joints that move this hand and no other part, and joints from the root to this foot, as indices into `joints()`.
+  /// Joints that move this hand but not the other, and joints from the root to this foot: indices into `joints()`.
   [[nodiscard]] const std::vector<int>& arm(Side side) const { return arm_[side]; }
   [[nodiscard]] const std::vector<int>& leg(Side side) const { return leg_[side]; }
   /// Degrees of freedom that move a body: indices of those on the chain from the root to it.
