@@ -164,7 +164,7 @@ void InverseKinematics::bounded_step() {
   if (status == eiquadprog::solvers::EIQUADPROG_FAST_OPTIMAL && x.allFinite()) {
     w.dq = x;
   } else {
-    // No solution: scale the free step down until it is within the bounds.
+    // No solution: scale the free step towards 0, where the bounds hold, until it is within them.
     double scale = w.dq.allFinite() ? 1.0 : 0.0;
     for (int j = 0; j < n && scale > 0.0; ++j) {
       const double step = w.dq[6 + j];

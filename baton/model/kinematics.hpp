@@ -5,7 +5,7 @@
 
 namespace baton {
 
-/// Row-major, so that the rows of a task can be written in update_mujoco.
+/// Row-major, so that the rows of a task can be written in place.
 using JacobianRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// "World" means the frame in which `q` gives the root pose.
