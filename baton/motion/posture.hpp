@@ -40,16 +40,16 @@ inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, P
 /// A swing in progress, to land or to stay in the air.
 struct Flight {
   Side side = Side::left;
-  Pose from;          ///< pose at lift-off
-  double left = 0.0;  ///< time until it arrives [s]
-  double rise = 0.0;  ///< time until the apex; zero or negative once past it [s]
-  double apex = 0.0;  ///< height of the apex [m]
+  Pose from;               ///< pose at lift-off
+  double remaining = 0.0;  ///< time until it arrives [s]
+  double to_apex = 0.0;    ///< time until the apex; zero or negative once past it [s]
+  double apex = 0.0;       ///< height of the apex [m]
 };
 
 /// A foot about to lift off, while the weight shifts to the other.
 struct LiftOff {
   Side side = Side::left;
-  double left = 0.0;  ///< time until lift-off [s]
+  double remaining = 0.0;  ///< time until lift-off [s]
 };
 
 /// Planned state of the whole robot, in the planning frame.
