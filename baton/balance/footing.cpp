@@ -6,28 +6,27 @@
 namespace baton {
 namespace {
 
-// Lengths are shares of the COM height, forces of the weight. Rates and times are the same for any size of robot.
-constexpr double kCarries = 0.05;      ///< load from which a sole counts as carrying
-constexpr double kShould = 0.1;        ///< planned load of a sole that is missed if it does not carry
-constexpr double kMissed = 0.0175;     ///< for so long a sole does not carry before it is missed [s]
-constexpr double kFull = 0.3;          ///< load from which it is followed at the full rate
-constexpr double kInside = 0.03;       ///< room of the pressure to the edge of a sole that lies flat
-constexpr double kExact = 4e-4;        ///< a sole no farther off stands where it was planned
-constexpr double kLevel = 1e-3;        ///< nor is it inclined [rad]
-constexpr double kMostHeight = 0.045;  ///< bounds of the offset
-constexpr double kMostPlace = 0.1;     ///< in place
-constexpr double kMostTurn = 0.2;      ///< in inclination and yaw [rad]
-constexpr double kInsists = 0.03;      ///< a moment that is too much for longer, in one sense, is yielded to faster [s]
-constexpr double kMostInsists = 4.0;   ///< times as fast, at most
-constexpr double kAirRate = 10.0;      ///< at which the offset of a sole in the air goes back [1/s]
-constexpr double kFloorRate = 0.3;     ///< at which the floor is taken to be inclined as a sole that lies flat is [1/s]
-constexpr double kDamping =
-    1e-6;  ///< of the legs' kinematics, beside half of the error squared; for any size of robot [m², rad²]
-constexpr int kSteps = 4;          ///< of the legs' kinematics, at most
-constexpr double kFarthest = 0.3;  ///< that a joint goes in one: a straight leg's would be anything [rad]
-constexpr double kThere = 1e-6;    ///< error that needs no further step, for any size of robot [m, rad]
+// Lengths are in COM heights, forces in weights. Rates and times are the same for robots of any size.
+constexpr double kContactLoad = 0.05;    ///< least load of a sole in contact
+constexpr double kExpectedLoad = 0.1;    ///< least planned load from which a contact is expected
+constexpr double kMissedTime = 0.0175;   ///< time without an expected contact after which a sole searches downward [s]
+constexpr double kFullLoad = 0.3;        ///< load from which a sole is followed at the full rate
+constexpr double kFlatMargin = 0.03;     ///< least margin of the centre of pressure inside a sole that is flat
+constexpr double kPlaceBand = 4e-4;      ///< dead band of the position error
+constexpr double kTiltBand = 1e-3;       ///< dead band of the tilt error [rad]
+constexpr double kMaxHeight = 0.045;     ///< bound of the vertical offset
+constexpr double kMaxPlace = 0.1;        ///< bound of the horizontal offset
+constexpr double kMaxTurn = 0.2;         ///< bound of the offset in tilt and yaw [rad]
+constexpr double kTippingTime = 0.03;    ///< time after which an excess moment in one direction means tipping [s]
+constexpr double kMaxTippingGain = 4.0;  ///< largest factor on compliance with excess moment while tipping
+constexpr double kAirRate = 10.0;        ///< decay of the offset in the air [1/s]
+constexpr double kFloorRate = 0.3;       ///< low-pass of the terrain's tilt [1/s]
+constexpr double kDamping = 1e-6;        ///< of the legs' kinematics, added to half of the squared error [m², rad²]
+constexpr int kMaxSteps = 4;             ///< of the legs' kinematics
+constexpr double kMaxJointStep = 0.3;    ///< in one step; near a straight leg it would be arbitrary [rad]
+constexpr double kConverged = 1e-6;      ///< error of the legs' kinematics that needs no further step [m, rad]
 
-/// What of v is beyond a dead band.
+/// The part of v beyond a dead band.
 template <typename Vector>
 Vector beyond(const Vector& v, double band) {
   const double size = v.norm();
@@ -42,17 +41,17 @@ double beyond(double v, double band) {
 Footing::Rates Footing::rates_for(Drive drive) {
   Rates rates;
   if (drive != Drive::stiff) return rates;
-  // Here the soles' forces are all there is to balance with.
+  // A stiff drive takes no torque: foot admittance is the only means of balance.
   rates.relax = 0.0;
   rates.untwist = 0.0;
   rates.height = 3.0;
-  rates.turn = 3.0;
-  rates.yield_turn = 3.0;
+  rates.tilt = 3.0;
+  rates.yield_tilt = 3.0;
   rates.yield_height = 0.1;
   rates.yield_early = 1.0;
-  rates.early_trust = 1.0;
-  rates.band_turn = 0.0;
-  rates.band_height = 0.0;
+  rates.early_gain = 1.0;
+  rates.moment_band = 0.0;
+  rates.force_band = 0.0;
   return rates;
 }
 
@@ -71,32 +70,32 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
   BySide<double> carries;
   for (const Side side : kSides) {
     const double load = state.force[side].force.z() / weight_;
-    carries[side] = load < kCarries ? 0.0 : std::clamp(load / kFull, 0.0, 1.0);
+    carries[side] = load < kContactLoad ? 0.0 : std::clamp(load / kFullLoad, 0.0, 1.0);
   }
   if (now.contact.left && now.contact.right && carries.left > 0.0 && carries.right > 0.0) relax(state, wanted);
   for (const Side side : kSides) {
-    const bool misses = now.contact[side] && wanted[side].force.z() > kShould * weight_ && carries[side] == 0.0 &&
+    const bool misses = now.contact[side] && wanted[side].force.z() > kExpectedLoad * weight_ && carries[side] == 0.0 &&
                         carries[other(side)] > 0.0;
-    missed_[side] = misses ? missed_[side] + period_ : 0.0;
-    // A foot on its way down follows ground that comes early; one on its way up must not cling to what it leaves.
+    missing_time_[side] = misses ? missing_time_[side] + period_ : 0.0;
+    // A descending foot follows the terrain from early touchdown on; an ascending one must not stick to it.
     const bool lands = next.sole[side].p.z() < now.sole[side].p.z();
     if ((now.contact[side] || lands) && carries[side] > 0.0) {
       follow_ground(side, carries[side], now, state, wanted[side]);
-    } else if (missed_[side] > kMissed) {
-      // The ground is farther down than planned.
+    } else if (missing_time_[side] > kMissedTime) {
+      // The terrain is lower than planned.
       double& z = offset_[side].p.z();
-      z = std::max(z - share_of(rates_.late) * height_, -kMostHeight * height_);
+      z = std::max(z - share_of(rates_.late) * height_, -kMaxHeight * height_);
     } else if (!now.contact[side]) {
-      // In the air: back to the plan, inclined as the floor is.
+      // In the air: back to the plan, tilted like the terrain.
       Offset& offset = offset_[side];
       offset.p *= 1.0 - share_of(kAirRate);
-      offset.turn += share_of(kAirRate) * (Vec3(floor_.x(), floor_.y(), 0.0) - offset.turn);
+      offset.turn += share_of(kAirRate) * (Vec3(floor_tilt_.x(), floor_tilt_.y(), 0.0) - offset.turn);
     }
   }
 }
 
 void Footing::relax(const State& state, const BySide<Wrench>& wanted) {
-  // Half of the difference: what both have too much of is not between them.
+  // Half of the difference: an excess that both soles have in common is no internal force.
   const Wrench& left = wanted.left;
   const Wrench& right = wanted.right;
   const Vec3 force = (state.force.left.force - left.force) - (state.force.right.force - right.force);
@@ -114,44 +113,44 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   Offset& offset = offset_[side];
   const Wrench& force = state.force[side];
   const bool early = !now.contact[side];
-  if (early) carries = std::max(carries, rates_.early_trust);
-  const Vec3 off = beyond(Vec3(state.sole[side].p - now.sole[side].p), kExact * height_);
-  offset.p.z() += carries * share_of(early ? rates_.early : rates_.height) * (off.z() - offset.p.z());
+  if (early) carries = std::max(carries, rates_.early_gain);
+  const Vec3 off = beyond(Vec3(state.sole[side].p - now.sole[side].p), kPlaceBand * height_);
+  offset.p.z() += carries * share_of(early ? rates_.height_early : rates_.height) * (off.z() - offset.p.z());
   offset.p.head<2>() += carries * share_of(rates_.place) * (off.head<2>() - offset.p.head<2>());
 
-  // It yields to what presses more than it should.
+  // Admittance: comply with excess force and moment.
   const double heavier = (force.force.z() - wanted.force.z()) / weight_;
   const double yields = share_of(early ? rates_.yield_early : rates_.yield_height) * height_;
-  offset.p.z() += carries * yields * beyond(heavier, rates_.band_height);
+  offset.p.z() += carries * yields * beyond(heavier, rates_.force_band);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
-  const double band = rates_.band_turn * force.force.z() / weight_;
+  const double band = rates_.moment_band * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);
   Tipping& tipping = tipping_[side];
-  tipping.lasts = tips.dot(tipping.last) > 0.0 ? tipping.lasts + period_ : 0.0;
-  tipping.last = tips;
-  // Ground under the whole sole would have taken it up by then: the sole tips on an edge. What it tipped by as it was
-  // lifted is remembered until it lands.
-  const double faster = std::clamp(tipping.lasts / kInsists, 1.0, kMostInsists);
-  offset.turn.head<2>() += carries * share_of(rates_.yield_turn) * faster * tips;
+  tipping.lasts = tips.dot(tipping.moment) > 0.0 ? tipping.lasts + period_ : 0.0;
+  tipping.moment = tips;
+  // Terrain under the whole sole would have balanced a moment that lasts so long: the sole tips on an edge. The state
+  // is kept in the air until the sole lands.
+  const double faster = std::clamp(tipping.lasts / kTippingTime, 1.0, kMaxTippingGain);
+  offset.turn.head<2>() += carries * share_of(rates_.yield_tilt) * faster * tips;
 
-  // A sole that tips over its edge says nothing about the ground.
+  // A sole that tips over its edge tells nothing about the terrain.
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;
   const Vec2 pressure = Vec2(-moment.y(), moment.x()) / force.force.z();
-  if (robot_->sole(side).margin(pressure) > kInside * height_) {
+  if (robot_->sole(side).margin(pressure) > kFlatMargin * height_) {
     const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
-    const Vec2 inclined = beyond(turned, kLevel);
-    offset.turn.head<2>() += carries * share_of(rates_.turn) * (inclined - offset.turn.head<2>());
-    floor_ = bounded(Vec2(floor_ + carries * share_of(kFloorRate) * (inclined - floor_)), kMostTurn);
+    const Vec2 inclined = beyond(turned, kTiltBand);
+    offset.turn.head<2>() += carries * share_of(rates_.tilt) * (inclined - offset.turn.head<2>());
+    floor_tilt_ = bounded(Vec2(floor_tilt_ + carries * share_of(kFloorRate) * (inclined - floor_tilt_)), kMaxTurn);
   }
-  offset.p.z() = std::clamp(offset.p.z(), -kMostHeight * height_, kMostHeight * height_);
-  offset.p.head<2>() = bounded(Vec2(offset.p.head<2>()), kMostPlace * height_);
-  offset.turn = bounded(offset.turn, kMostTurn);
+  offset.p.z() = std::clamp(offset.p.z(), -kMaxHeight * height_, kMaxHeight * height_);
+  offset.p.head<2>() = bounded(Vec2(offset.p.head<2>()), kMaxPlace * height_);
+  offset.turn = bounded(offset.turn, kMaxTurn);
 }
 
 void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
   const auto n = shift_.size();
   joints = q.tail(n);
-  const double down = std::max(stretched(Side::left, kinematics), stretched(Side::right, kinematics));
+  const double down = std::max(trunk_drop(Side::left, kinematics), trunk_drop(Side::right, kinematics));
   BySide<Pose> goal;
   bool planned = down == 0.0;
   for (const Side side : kSides) {
@@ -164,12 +163,12 @@ void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
     shift_.setZero();
     return;
   }
-  // From the last shift on: a single step would be far off where a leg is nearly straight.
+  // Starting from the previous change: near a straight leg a single step would be far off.
   shifted_ = q;
   for (int j = 0; j < static_cast<int>(n); ++j)
     shifted_[7 + j] = within_range(j, q[7 + j], q[7 + j] + shift_[j]);
   bool there = false;
-  for (int step = 0; step < kSteps && !there; ++step) {
+  for (int step = 0; step < kMaxSteps && !there; ++step) {
     kinematics.set(shifted_);
     there = true;
     for (const Side side : kSides)
@@ -183,7 +182,7 @@ bool Footing::reach(Side side, const Pose& goal, const Kinematics& kinematics, c
   const Pose sole = kinematics.sole(side);
   Vec6 error;
   error << goal.p - sole.p, rotation_error(goal.R, sole.R);
-  if (error.norm() < kThere) return true;
+  if (error.norm() < kConverged) return true;
   kinematics.sole_jacobian(side, rows_);
   Eigen::Matrix<double, 6, 6> gram = (kDamping + 0.5 * error.squaredNorm()) * Eigen::Matrix<double, 6, 6>::Identity();
   for (const int j : robot_->leg(side)) {
@@ -194,7 +193,7 @@ bool Footing::reach(Side side, const Pose& goal, const Kinematics& kinematics, c
   double farthest = 0.0;
   for (const int j : robot_->leg(side))
     farthest = std::max(farthest, std::abs(rows_.col(6 + j).dot(along)));
-  const double share = std::min(1.0, kFarthest / farthest);
+  const double share = std::min(1.0, kMaxJointStep / farthest);
   for (const int j : robot_->leg(side)) {
     const double angle = shifted_[7 + j] + share * rows_.col(6 + j).dot(along);
     shifted_[7 + j] = within_range(j, q[7 + j], angle);
@@ -208,7 +207,7 @@ double Footing::within_range(int j, double planned, double angle) const {
   return std::clamp(angle, std::min(planned, range.lo + margin), std::max(planned, range.hi - margin));
 }
 
-double Footing::stretched(Side side, const Kinematics& kinematics) const {
+double Footing::trunk_drop(Side side, const Kinematics& kinematics) const {
   const Offset& offset = offset_[side];
   const std::vector<int>& leg = robot_->leg(side);
   const Vec3 ankle = kinematics.dof_axis(6 + leg.back()).point;

@@ -1,5 +1,5 @@
-/// Where the soles really are and how they are inclined, against the plan: followed by the legs, so that the trunk
-/// stays where it was planned (docs/balance.md).
+/// Terrain adaptation and foot admittance: the legs follow where the soles actually are and how they are tilted, and
+/// comply with excess contact forces, so that the trunk stays where it was planned (docs/balance.md).
 #pragma once
 
 #include "baton/balance/state.hpp"
@@ -11,14 +11,14 @@ class Footing {
   /// The robot must outlive the object.
   explicit Footing(const RobotModel& robot);
 
-  /// Brings the offsets up to date, once a tick.
+  /// Updates the offsets, once a tick.
   /// @param now planned sample at the time of the measurement
-  /// @param next planned sample a tick later
-  /// @param wanted what each sole should carry then, axes of the planning frame, moment about its centre
+  /// @param next planned sample one tick later
+  /// @param wanted desired wrench on each sole, in the axes of the planning frame, moment about its centre
   void follow(const MotionSample& now, const MotionSample& next, const State& state, const BySide<Wrench>& wanted);
 
-  /// Joint angles that take the soles there; within the joints' ranges.
-  /// @param kinematics set to the planned configuration; left at another one
+  /// Joint angles that place the soles at their offsets, within the joints' ranges.
+  /// @param kinematics set to the planned configuration; changed
   /// @param q planned configuration (nq)
   /// @param joints receives the angles (n)
   void apply(Kinematics& kinematics, const VecX& q, VecX& joints);
@@ -31,56 +31,59 @@ class Footing {
   [[nodiscard]] const BySide<Offset>& offset() const { return offset_; }
 
  private:
-  /// Rates are [1/s], the same for any size of robot.
+  /// Rates [1/s] are the same for robots of any size; other quantities scale with COM height and weight.
   struct Rates {
-    double height = 15.0;      ///< at which the height of a sole that carries is followed
-    double early = 30.0;       ///< the same of a foot on its way down, whose ground comes early
-    double early_trust = 0.0;  ///< share of those rates with which that begins, be its load as small as it may
-    double late = 0.6;         ///< at which a foot that should carry looks for ground farther down [COM heights/s]
-    double place = 8.0;        ///< its horizontal place
-    double turn = 8.0;         ///< its inclination
-    double relax = 1.0;       ///< [COM heights/s] by a force of the weight with which the legs press against each other
-    double untwist = 2.0;     ///< [rad/s] by such a moment about the vertical of weight × COM height
-    double yield_turn = 8.0;  ///< [rad/s] by a moment too much of weight × COM height
-    double yield_height = 0.2;  ///< [COM heights/s] by a force too much of the weight
-    double yield_early = 0.2;   ///< the same of a foot on its way down
-    double band_turn = 0.04;    ///< pressure that is off by less is not yielded to [COM height]
-    double band_height = 0.1;   ///< nor is force [weight]
+    double height = 15.0;        ///< height of a loaded sole
+    double height_early = 30.0;  ///< the same after early touchdown
+    double early_gain = 0.0;     ///< least factor on the rates after early touchdown, however small the load [-]
+    double late = 0.6;           ///< downward search speed while an expected contact is missing [COM heights/s]
+    double place = 8.0;          ///< horizontal position of a loaded sole
+    double tilt = 8.0;           ///< tilt of a loaded sole
+    double relax = 1.0;          ///< compliance with internal force between the legs [COM heights/s per weight]
+    double untwist = 2.0;        ///< the same with internal yaw moment [rad/s per weight × COM height]
+    double yield_tilt = 8.0;     ///< compliance with excess moment [rad/s per weight × COM height]
+    double yield_height = 0.2;   ///< compliance with excess vertical force [COM heights/s per weight]
+    double yield_early = 0.2;    ///< the same after early touchdown: landing compliance
+    double moment_band = 0.04;   ///< dead band of excess moment, as error of the centre of pressure [COM height]
+    double force_band = 0.1;     ///< dead band of excess force [weight]
   };
   [[nodiscard]] static Rates rates_for(Drive drive);
+  /// Fraction of an error that is corrected in one tick.
   [[nodiscard]] double share_of(double rate) const { return std::min(1.0, period_ * rate); }
+  /// Updates the offset of a sole that is loaded.
+  /// @param carries gain by the load, 0…1
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
 
-  /// Lets the soles go apart, or together, until the legs no longer press against each other.
+  /// Moves the soles apart or together, to relax internal forces between the legs.
   void relax(const State& state, const BySide<Wrench>& wanted);
 
-  /// A moment that a sole is to yield to.
+  /// Excess moment on a sole.
   struct Tipping {
-    Vec2 last = Vec2::Zero();  ///< [weight × COM height]
-    double lasts = 0.0;        ///< for how long it has had about this direction [s]
+    Vec2 moment = Vec2::Zero();  ///< beyond the dead band [weight × COM height]
+    double lasts = 0.0;          ///< time for which its direction has been about the same [s]
   };
 
-  /// One step of Levenberg–Marquardt with `shifted_`, at which the kinematics are; whether the sole was there already.
+  /// One Levenberg–Marquardt step of `shifted_`, which `kinematics` is set to. Returns whether the sole had converged.
   bool reach(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q);
-  /// A joint's angle, kept inside its range: `margin.joint` inside it, or as near to its end as is planned [rad].
+  /// `angle` clamped to the joint's range inset by `margin.joint`, extended to the planned angle [rad].
   [[nodiscard]] double within_range(int joint, double planned, double angle) const;
 
-  /// How far the trunk must come down for a leg, which might be straight, not to be stretched beyond what was
-  /// planned [m], from its first to its last joint.
-  [[nodiscard]] double stretched(Side side, const Kinematics& kinematics) const;
+  /// By how much the trunk must be lowered so that a leg is not stretched beyond its planned length [m]. Length is
+  /// from its first to its last joint. The leg may be straight in the plan.
+  [[nodiscard]] double trunk_drop(Side side, const Kinematics& kinematics) const;
 
   const RobotModel* robot_;
   Rates rates_;
   double period_;
-  double height_;  ///< of the COM, nominal [m]
+  double height_;  ///< nominal COM height [m]
   double weight_;  ///< [N]
   JacobianRows rows_;
-  VecX shift_;    ///< of the joint angles, at last (n)
-  VecX shifted_;  ///< configuration (nq)
+  VecX shift_;    ///< latest change of the joint angles (n) [rad]
+  VecX shifted_;  ///< planned configuration with that change (nq)
   BySide<Offset> offset_;
   BySide<Tipping> tipping_;
-  Vec2 floor_ = Vec2::Zero();  ///< how the floor is inclined, against the map: `turn` of soles that lie flat, slowly
-  BySide<double> missed_{0.0, 0.0};  ///< for how long a sole should have carried, and did not [s]
+  Vec2 floor_tilt_ = Vec2::Zero();  ///< tilt of the terrain relative to the map: `turn` of flat soles, low-passed [rad]
+  BySide<double> missing_time_{0.0, 0.0};  ///< time for which an expected contact has been missing [s]
 };
 
 }  // namespace baton

@@ -5,16 +5,15 @@
 namespace baton {
 namespace {
 
-constexpr double kSmooth = 40.0;  ///< rate at which the smoothed error follows the measured one: by the encoders'
-                                  ///< noise, not by the robot's size [1/s]
+constexpr double kLowPass = 40.0;  ///< by the encoders' noise, so the same for robots of any size [1/s]
 
 }  // namespace
 
 JointSpeeds::JointSpeeds(int joints, double period)
-    : share_(std::min(1.0, period * kSmooth)), error_(VecX::Zero(joints)) {}
+    : gain_(std::min(1.0, period * kLowPass)), error_(VecX::Zero(joints)) {}
 
 void JointSpeeds::smooth(VecX& measured, const Eigen::Ref<const VecX>& planned) {
-  error_ += share_ * (measured - planned - error_);
+  error_ += gain_ * (measured - planned - error_);
   measured = planned + error_;
 }
 

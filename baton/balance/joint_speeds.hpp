@@ -1,4 +1,4 @@
-/// Joint speeds without the noise of encoders: the planned ones, and the smoothed error of the measured ones from them.
+/// Joint speeds without encoder noise: planned speeds plus the low-passed tracking error.
 #pragma once
 
 #include "baton/math/pose.hpp"
@@ -7,7 +7,7 @@ namespace baton {
 
 class JointSpeeds {
  public:
-  /// @param joints their number
+  /// @param joints number of joints
   /// @param period of the measurements [s]
   JointSpeeds(int joints, double period);
 
@@ -15,8 +15,8 @@ class JointSpeeds {
   void smooth(VecX& measured, const Eigen::Ref<const VecX>& planned);
 
  private:
-  double share_;  ///< of a change that is followed in a tick
-  VecX error_;    ///< measured − planned, smoothed [rad/s]
+  double gain_;  ///< fraction of a change that is followed in a tick
+  VecX error_;   ///< measured − planned, low-passed [rad/s]
 };
 
 }  // namespace baton

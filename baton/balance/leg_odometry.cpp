@@ -6,9 +6,9 @@
 namespace baton {
 namespace {
 
-// Rates are the same for any size of robot.
-constexpr double kTrust = 20.0;  ///< rate at which the velocity follows the soles that stand [1/s]
-constexpr double kRelax = 10.0;  ///< rate at which a foothold follows where a sole with no load is [1/s]
+// Rates are the same for robots of any size.
+constexpr double kVelocityRate = 20.0;  ///< at which the velocity follows that of the soles in contact [1/s]
+constexpr double kFootholdRate = 10.0;  ///< at which the foothold of a sole with no load follows the sole [1/s]
 
 }  // namespace
 
@@ -26,12 +26,12 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
   const BySide<bool>& touch = contact.touch();
   const double total = contact.total();
   const auto share = [&](Side side) { return touch[side] ? contact.load()[side] / total : 0.0; };
-  // Where the soles that stand say that the root is, and how fast it moves.
-  BySide<Vec3> from_root, moves;
+  // Position and velocity of the root by the soles in contact.
+  BySide<Vec3> from_root, velocity_from_root;
   for (const Side side : kSides) {
     from_root[side] = kinematics.sole(side).p;
     kinematics.point_jacobian(robot_->foot_body(side), from_root[side], jacobian_);
-    moves[side].noalias() = jacobian_ * dq;
+    velocity_from_root[side].noalias() = jacobian_ * dq;
   }
   velocity_ += period_ * acceleration;
   if (total > 0.0) {
@@ -39,21 +39,21 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
     Vec3 velocity = Vec3::Zero();
     for (const Side side : kSides) {
       place += share(side) * (foothold_[side] - from_root[side]);
-      velocity -= share(side) * moves[side];
+      velocity -= share(side) * velocity_from_root[side];
     }
     place_ = place;
-    velocity_ += first ? Vec3(velocity - velocity_) : Vec3(period_ * kTrust * (velocity - velocity_));
+    velocity_ += first ? Vec3(velocity - velocity_) : Vec3(period_ * kVelocityRate * (velocity - velocity_));
   } else {
     place_ += period_ * velocity_;
   }
   for (const Side side : kSides) {
-    const double follows = touch[side] ? (1.0 - share(side)) * std::min(1.0, period_ * kRelax) : 1.0;
+    const double follows = touch[side] ? (1.0 - share(side)) * std::min(1.0, period_ * kFootholdRate) : 1.0;
     foothold_[side] += follows * (place_ + from_root[side] - foothold_[side]);
     if (!touch[side]) continue;
-    if (!touched_[side]) gone_ += (foothold_[side] - footfall_[side]).head<2>().norm();
+    if (!touched_before_[side]) walked_ += (foothold_[side] - footfall_[side]).head<2>().norm();
     footfall_[side] = foothold_[side];
   }
-  touched_ = touch;
+  touched_before_ = touch;
 }
 
 void LegOdometry::shift(const Vec3& by) {

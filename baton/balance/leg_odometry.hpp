@@ -1,4 +1,4 @@
-/// Dead reckoning of the root by the soles that stand, and by its acceleration while none does.
+/// Leg odometry: dead reckoning of the root by the soles in contact, and by its acceleration while there is none.
 #pragma once
 
 #include "baton/balance/sole_contact.hpp"
@@ -8,26 +8,27 @@ namespace baton {
 class LegOdometry {
  public:
   /// The robot must outlive the object.
-  /// @param root where the root is to begin with [m]
-  /// @param sole where the soles are, at rest [m]
+  /// @param root initial position of the root, in the world [m]
+  /// @param sole initial positions of the soles, at rest, in the world [m]
   LegOdometry(const RobotModel& robot, const Vec3& root, const BySide<Vec3>& sole);
 
-  /// One tick.
-  /// @param kinematics the robot with its root at the origin, in its attitude
-  /// @param dq its velocity (nv), with that of the root's origin zero
+  /// Updates the estimate, once a tick.
+  /// @param kinematics set to the configuration with the root at the origin, at its measured attitude
+  /// @param dq velocity (nv), with zero linear velocity of the root
   /// @param acceleration of the root's origin, in the world [m/s²]
   void update(const Kinematics& kinematics, const VecX& dq, const Vec3& acceleration, const SoleContact& contact);
 
-  /// Corrects the place of the root, and of the soles with it [m].
+  /// Moves the root and the footholds [m].
   void shift(const Vec3& by);
 
-  /// Of the root, in the world [m].
+  /// Position of the root, in the world [m].
   [[nodiscard]] const Vec3& place() const { return place_; }
+  /// Velocity of the root's origin, in the world [m/s].
   [[nodiscard]] const Vec3& velocity() const { return velocity_; }
-  /// Where the soles stand, or are [m].
+  /// Positions of the soles: of the foothold for a sole in contact, else of the sole itself [m].
   [[nodiscard]] const BySide<Vec3>& foothold() const { return foothold_; }
-  /// Way that both feet have gone, from footfall to footfall [m].
-  [[nodiscard]] double gone() const { return gone_; }
+  /// Horizontal distance walked, from foothold to foothold, both feet added up [m].
+  [[nodiscard]] double gone() const { return walked_; }
 
  private:
   const RobotModel* robot_;
@@ -37,9 +38,9 @@ class LegOdometry {
   Vec3 place_;
   Vec3 velocity_ = Vec3::Zero();  ///< [m/s]
   BySide<Vec3> foothold_;
-  BySide<Vec3> footfall_;             ///< where the soles stood last [m]
-  BySide<bool> touched_{true, true};  ///< a tick ago
-  double gone_ = 0.0;
+  BySide<Vec3> footfall_;                    ///< latest positions in contact [m]
+  BySide<bool> touched_before_{true, true};  ///< contacts one tick ago
+  double walked_ = 0.0;
 };
 
 }  // namespace baton

@@ -6,56 +6,56 @@
 namespace baton {
 namespace {
 
-// Rates and times are the same for any size of robot.
-constexpr double kMap = 1.0;        ///< rate at which heights follow those of the ground [1/s]
-constexpr double kInTheAir = 0.1;   ///< time without a touch from which the height is lost [s]
-constexpr double kOnTheMap = 0.05;  ///< farther from the known ground a sole stands on something else [COM height]
+// Rates and times are the same for robots of any size. Lengths are in COM heights.
+constexpr double kHeightRate = 1.0;     ///< at which heights follow those of the terrain [1/s]
+constexpr double kAirborneTime = 0.1;   ///< time without contact after which the height is unknown [s]
+constexpr double kMapTolerance = 0.05;  ///< a sole farther above or below the terrain stands on something unmapped
 
-// A sole that stands on an edge of the ground. Lengths are shares of the COM height.
-constexpr double kTilted = 0.08;   ///< against the ground; a floor may be tilted by less [rad]
-constexpr double kOverlap = 0.01;  ///< so much of it is on the edge
-constexpr double kRaised = 0.02;   ///< least height of a step that counts
-constexpr double kAsHigh = 0.015;  ///< a corner stands on what differs by less in height
-constexpr double kFeels = 0.05;    ///< the edge is no farther from where it should be
-constexpr double kMoves = 0.04;    ///< how fast the place is corrected [COM heights/s]
+// Soles tilted on a terrain edge.
+constexpr double kLeastTilt = 0.08;         ///< of the sole against the terrain; unmapped slopes are below this [rad]
+constexpr double kCornerInset = 0.01;       ///< overlap of sole and edge
+constexpr double kLeastEdge = 0.02;         ///< height of the lowest edge that counts
+constexpr double kHeightTolerance = 0.015;  ///< between a corner and the terrain that it stands on
+constexpr double kEdgeRange = 0.05;         ///< largest distance of the edge from the corner
+constexpr double kEdgeSpeed = 0.04;         ///< of the correction [COM heights/s]
 
 }  // namespace
 
 MapMatching::MapMatching(const RobotModel& robot, const World& world)
-    : world_(&world), size_(robot.profile().stance.com_height), period_(robot.profile().tick.period) {
+    : world_(&world), com_height_(robot.profile().stance.com_height), period_(robot.profile().tick.period) {
   for (const Side side : kSides)
-    corners_[side] = robot.sole(side).inset(kOverlap * size_).vertices();
+    corners_[side] = robot.sole(side).inset(kCornerInset * com_height_).vertices();
 }
 
 Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& foothold, const SoleContact& contact,
                              const BySide<bool>& planned) {
-  lost_ = lost_ || contact.airborne() > kInTheAir;
+  height_lost_ = height_lost_ || contact.airborne() > kAirborneTime;
   double off = 0.0;
-  double stand = 0.0;
+  double carried = 0.0;
   Vec2 moved = Vec2::Zero();
   for (const Side side : kSides) {
-    if ((!planned[side] && !lost_) || !contact.touch()[side]) continue;
+    if ((!planned[side] && !height_lost_) || !contact.touch()[side]) continue;
     const std::optional<GroundPoint> ground = world_->ground(foothold[side].head<2>());
     if (!ground) continue;
-    if (const std::optional<Vec2> way = felt_edge(side, kinematics.sole(side).R, foothold[side], *ground)) {
-      moved += bounded(*way, period_ * kMoves * size_);  // the height of a tilted sole says nothing
+    if (const std::optional<Vec2> to_edge = felt_edge(side, kinematics.sole(side).R, foothold[side], *ground)) {
+      moved += bounded(*to_edge, period_ * kEdgeSpeed * com_height_);  // the height of a tilted sole tells nothing
       continue;
     }
     const double gap = ground->height - foothold[side].z();
-    if (std::abs(gap) > kOnTheMap * size_ && !lost_) continue;
+    if (std::abs(gap) > kMapTolerance * com_height_ && !height_lost_) continue;
     off += contact.load()[side] * gap;
-    stand += contact.load()[side];
+    carried += contact.load()[side];
   }
-  const double rise = stand > 0.0 ? off / stand : 0.0;
-  // The height of a robot that was lifted, or fell, is lost: once a sole lies on the ground again, it is the map's.
-  const bool found = lost_ && stand > 0.0;
-  if (found) lost_ = false;
-  return {moved.x(), moved.y(), found ? rise : period_ * kMap * rise};
+  const double rise = carried > 0.0 ? off / carried : 0.0;
+  // After a robot was in the air, its height is unknown: at the next contact, it is taken from the map at once.
+  const bool found = height_lost_ && carried > 0.0;
+  if (found) height_lost_ = false;
+  return {moved.x(), moved.y(), found ? rise : period_ * kHeightRate * rise};
 }
 
 std::optional<Vec2> MapMatching::felt_edge(Side side, const Mat3& R, const Vec3& at, const GroundPoint& below) const {
-  if (R.col(2).dot(below.normal) > std::cos(kTilted)) return std::nullopt;
-  std::optional<Vec2> way;
+  if (R.col(2).dot(below.normal) > std::cos(kLeastTilt)) return std::nullopt;
+  std::optional<Vec2> to_edge;
   double lowest = below.height;
   double highest = below.height;
   for (const Vec2& vertex : corners_[side]) {
@@ -65,13 +65,13 @@ std::optional<Vec2> MapMatching::felt_edge(Side side, const Mat3& R, const Vec3&
     if (!ground) continue;
     lowest = std::min(lowest, ground->height);
     highest = std::max(highest, ground->height);
-    if (corner.z() - ground->height < kRaised * size_) continue;
-    const std::optional<Vec2> edge = world_->nearest_of_height(place, corner.z(), kAsHigh * size_);
-    if (!edge || (*edge - place).norm() > kFeels * size_) continue;
-    if (!way || (*edge - place).norm() < way->norm()) way = *edge - place;
+    if (corner.z() - ground->height < kLeastEdge * com_height_) continue;
+    const std::optional<Vec2> edge = world_->nearest_of_height(place, corner.z(), kHeightTolerance * com_height_);
+    if (!edge || (*edge - place).norm() > kEdgeRange * com_height_) continue;
+    if (!to_edge || (*edge - place).norm() < to_edge->norm()) to_edge = *edge - place;
   }
-  if (way) return way;
-  return highest - lowest > kRaised * size_ ? std::optional<Vec2>(Vec2::Zero()) : std::nullopt;
+  if (to_edge) return to_edge;
+  return highest - lowest > kLeastEdge * com_height_ ? std::optional<Vec2>(Vec2::Zero()) : std::nullopt;
 }
 
 }  // namespace baton

@@ -1,5 +1,5 @@
-/// Corrections of the robot's place by the known ground: heights are those of the ground where soles stand, and a sole
-/// that stands tilted on an edge is where that edge is (docs/balance.md).
+/// Map matching: corrects the estimated position by the known terrain. Soles in contact are at its height, and a sole
+/// that is tilted on an edge is at that edge (docs/balance.md).
 #pragma once
 
 #include <optional>
@@ -15,25 +15,26 @@ class MapMatching {
   /// Robot and world must outlive the object.
   MapMatching(const RobotModel& robot, const World& world);
 
-  /// By how much the place of robot and soles is to be corrected in this tick, in the world [m].
-  /// @param kinematics the robot in its attitude
-  /// @param foothold where the soles are believed to be, in the world [m]
-  /// @param planned which soles are meant to stand
+  /// Correction of the position of robot and soles in this tick, in the world [m].
+  /// @param kinematics set to the measured configuration; the root's position does not matter
+  /// @param foothold estimated positions of the soles, in the world [m]
+  /// @param planned planned contacts
   [[nodiscard]] Vec3 correction(const Kinematics& kinematics, const BySide<Vec3>& foothold, const SoleContact& contact,
                                 const BySide<bool>& planned);
 
  private:
-  /// Of a sole that stands tilted on an edge of the ground: the way to where that is by the map [m], zero if it is
-  /// there. Nothing of a sole that stands otherwise.
+  /// For a sole that is tilted on a terrain edge: displacement to that edge in the map [m], zero if the sole is there.
+  /// Empty for any other sole.
   /// @param R attitude of the sole
-  /// @param at its place [m]
+  /// @param at estimated position of the sole [m]
+  /// @param below terrain there
   [[nodiscard]] std::optional<Vec2> felt_edge(Side side, const Mat3& R, const Vec3& at, const GroundPoint& below) const;
 
   const World* world_;
-  double size_;  ///< COM height, which lengths are shares of [m]
+  double com_height_;  ///< COM height, unit of lengths [m]
   double period_;
-  BySide<std::vector<Vec2>> corners_;  ///< of the soles, a little inside [m]
-  bool lost_ = false;                  ///< the height is not known, since the robot was in the air
+  BySide<std::vector<Vec2>> corners_;  ///< of the soles, inset a little, in the sole frame [m]
+  bool height_lost_ = false;           ///< height unknown, as the robot was in the air
 };
 
 }  // namespace baton

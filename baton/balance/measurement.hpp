@@ -1,4 +1,4 @@
-/// What a robot's sensors say.
+/// Sensor readings of a robot.
 #pragma once
 
 #include <optional>
@@ -7,25 +7,24 @@
 
 namespace baton {
 
-/// Pose and velocity of the body with the free joint. No sensor gives it; a simulated robot may, as a perfect
-/// sensor.
+/// Pose and velocity of the root, the body with the free joint. Only a simulated robot can measure it.
 struct RootMeasurement {
   Pose pose;                     ///< in the world
-  Vec3 velocity = Vec3::Zero();  ///< of its origin, in the world [m/s]
-  Vec3 rate = Vec3::Zero();      ///< angular, in its own frame [rad/s]
+  Vec3 velocity = Vec3::Zero();  ///< of the origin, in the world [m/s]
+  Vec3 rate = Vec3::Zero();      ///< angular velocity, in the root frame [rad/s]
 };
 
 struct Measurement {
   double t = 0.0;  ///< [s]
   VecX q;          ///< joint angles (n) [rad]
-  VecX dq;         ///< [rad/s]
-  VecX torque;     ///< that the motors give, as their currents say; empty: not measured (n) [N·m]
+  VecX dq;         ///< joint speeds (n) [rad/s]
+  VecX torque;     ///< motor torques by their currents (n) [N·m]; empty: not measured
   struct Imu {
-    Mat3 attitude = Mat3::Identity();  ///< of the sensor in the world
-    Vec3 rate = Vec3::Zero();          ///< in the sensor's frame [rad/s]
-    Vec3 acceleration = Vec3::Zero();  ///< specific force in the sensor's frame [m/s²]
+    Mat3 attitude = Mat3::Identity();  ///< of the sensor in its world frame, whose yaw is arbitrary
+    Vec3 rate = Vec3::Zero();          ///< angular velocity, in the sensor frame [rad/s]
+    Vec3 acceleration = Vec3::Zero();  ///< specific force, in the sensor frame [m/s²]
   } imu;
-  BySide<Wrench> sole;  ///< on each sole, in the sole's frame, moment about its centre
+  BySide<Wrench> sole;  ///< contact wrench on each sole, in the sole frame, moment about its centre
   std::optional<RootMeasurement> root;
 };
 

@@ -7,7 +7,7 @@
 namespace baton {
 namespace {
 
-constexpr double kDrift = 1e-3;  ///< error of the place, as a share of the way gone
+constexpr double kDrift = 1e-3;  ///< position error per distance walked
 
 }  // namespace
 
@@ -35,7 +35,7 @@ Odometry::Odometry(const RobotModel& robot, const World& world, StateSource sour
 const Measurement& Odometry::update(const Measurement& measurement, const MotionSample& planned) {
   completed_ = measurement;
   if (source_ == StateSource::perfect) {
-    contact_.update(told_load(measurement, planned));
+    contact_.update(measured_or_planned_load(measurement, planned));
     return completed_;
   }
   const int n = robot_->nv() - 6;
@@ -47,7 +47,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   dq_.tail(n) = completed_.dq;
   kinematics_.set(q_);
   if (source_ == StateSource::torques) {
-    completed_.sole = {};  // a robot whose torques are not measured carries nothing
+    completed_.sole = {};  // without measured torques there are no loads
     if (measurement.torque.size() == measurement.q.size()) {
       completed_.sole =
           wrenches_.estimate({q_, dq_, imu.acceleration, imu.R.transpose() * imu.angular_accel, planned.ddq.tail(n)},
@@ -65,8 +65,8 @@ double Odometry::uncertainty() const {
   return kDrift * 0.5 * legs_.gone();
 }
 
-BySide<double> Odometry::told_load(const Measurement& measurement, const MotionSample& planned) const {
-  // Without sensors under the soles, it is taken to stand as planned.
+BySide<double> Odometry::measured_or_planned_load(const Measurement& measurement, const MotionSample& planned) const {
+  // Without force sensors, the planned contacts are assumed.
   const bool senses = !measurement.sole.left.force.isZero(0.0) || !measurement.sole.right.force.isZero(0.0);
   const double each = robot_->mass() * kGravity / (planned.contact.left && planned.contact.right ? 2.0 : 1.0);
   BySide<double> load;

@@ -1,4 +1,4 @@
-/// Sensors → pose and velocity of the root: attitude from the IMU, place from the soles that stand (docs/balance.md).
+/// State estimation of the root: attitude from the IMU, position from the soles in contact (docs/balance.md).
 #pragma once
 
 #include "baton/balance/joint_speeds.hpp"
@@ -10,11 +10,11 @@
 
 namespace baton {
 
-/// Where the state of the robot comes from.
+/// Sensors used for the state of the robot.
 enum class StateSource {
-  sensors,  ///< encoders, IMU, forces under the soles
-  torques,  ///< encoders, IMU, torques of the motors
-  perfect,  ///< the pose of the root is measured, as only a simulation can
+  sensors,  ///< encoders, IMU, force sensors under the soles
+  torques,  ///< encoders, IMU, motor torques
+  perfect,  ///< measured root pose, in simulation only
 };
 
 [[nodiscard]] constexpr std::string_view to_string(StateSource source) {
@@ -25,26 +25,27 @@ enum class StateSource {
 class Odometry {
  public:
   /// Robot and world must outlive the object.
-  /// @param world its ground is known: heights are those of the ground where soles stand
-  /// @param start posture that the robot stands in, at rest, in the world
-  /// @throws InputError source needs an IMU on the root body, and the profile names none there
+  /// @param world known terrain, for map matching
+  /// @param start initial posture, at rest on both feet, in the world
+  /// @throws InputError `source` needs an IMU on the root, and the profile names none there
   Odometry(const RobotModel& robot, const World& world, StateSource source, const Posture& start);
 
-  /// The measurement with the root's pose and velocity, the joints' speeds smoothed, and the soles' wrenches.
-  /// @param planned sample of this tick
+  /// The measurement completed by root pose, root velocity and sole wrenches, with filtered joint speeds.
+  /// @param planned planned sample of this tick
   [[nodiscard]] const Measurement& update(const Measurement& measurement, const MotionSample& planned);
 
   /// Vertical force on each sole [N].
   [[nodiscard]] const BySide<double>& load() const { return contact_.load(); }
-  /// How far off the place may be, by the way that the feet have gone, from footfall to footfall [m].
+  /// Error bound of the position, proportional to the distance walked [m].
   [[nodiscard]] double uncertainty() const;
-  /// Whether a sole carries some of the weight.
+  /// Whether a sole is in contact.
   [[nodiscard]] const BySide<bool>& touch() const { return contact_.touch(); }
 
  private:
-  /// Vertical force on each sole of a robot whose root is measured [N].
-  [[nodiscard]] BySide<double> told_load(const Measurement& measurement, const MotionSample& planned) const;
-  /// The same by the wrenches of soles in their frames.
+  /// Vertical force on each sole, for `StateSource::perfect` [N].
+  [[nodiscard]] BySide<double> measured_or_planned_load(const Measurement& measurement,
+                                                        const MotionSample& planned) const;
+  /// Vertical force on each sole, by wrenches in the sole frames [N].
   [[nodiscard]] BySide<double> load_of(const BySide<Wrench>& sole) const;
 
   const RobotModel* robot_;
@@ -52,7 +53,7 @@ class Odometry {
   Kinematics kinematics_;
   Measurement completed_;
   VecX q_;   ///< configuration with the root at the origin
-  VecX dq_;  ///< its velocity, the root turning only
+  VecX dq_;  ///< velocity, without linear velocity of the root
   RootImu imu_;
   JointSpeeds speeds_;
   SoleWrenches wrenches_;

@@ -1,4 +1,4 @@
-/// What the IMU says, carried over to the root: the body with the free joint, which the sensor is fixed to.
+/// IMU readings, transformed to the root: the body with the free joint, to which the sensor is fixed.
 #pragma once
 
 #include "baton/balance/measurement.hpp"
@@ -7,17 +7,17 @@ namespace baton {
 
 class RootImu {
  public:
-  /// @param sensor in the root's frame
-  /// @param yaw of the root at the first reading [rad]: a sensor does not know where the world's x axis is
-  /// @param period of the readings [s]
+  /// @param sensor pose of the sensor in the root frame
+  /// @param yaw yaw of the root at the first reading [rad], as an IMU cannot measure it absolutely
+  /// @param period time between readings [s]
   RootImu(const Pose& sensor, double yaw, double period);
 
-  /// Of the root.
+  /// Motion of the root.
   struct Motion {
     Mat3 R = Mat3::Identity();          ///< attitude in the world
-    Vec3 rate = Vec3::Zero();           ///< in its own frame [rad/s]
-    Vec3 angular_accel = Vec3::Zero();  ///< in the world; zero at the first reading [rad/s²]
-    Vec3 acceleration = Vec3::Zero();   ///< of its origin, in the world, without gravity [m/s²]
+    Vec3 rate = Vec3::Zero();           ///< angular velocity, in the root frame [rad/s]
+    Vec3 angular_accel = Vec3::Zero();  ///< in the world [rad/s²]; zero at the first reading
+    Vec3 acceleration = Vec3::Zero();   ///< of the root's origin, in the world, gravity removed [m/s²]
   };
 
   [[nodiscard]] Motion update(const Measurement::Imu& imu);
@@ -27,8 +27,8 @@ class RootImu {
   double start_yaw_;
   double period_;
   bool first_ = true;
-  Mat3 yaw_ = Mat3::Identity();  ///< of the world in the sensor's world
-  Vec3 rate_ = Vec3::Zero();     ///< a tick ago, in the world [rad/s]
+  Mat3 yaw_offset_ = Mat3::Identity();  ///< rotation from the sensor's world frame to ours
+  Vec3 previous_rate_ = Vec3::Zero();   ///< previous angular velocity, in the world [rad/s]
 };
 
 }  // namespace baton

@@ -3,15 +3,15 @@
 namespace baton {
 namespace {
 
-constexpr double kTouches = 0.05;  ///< share of the weight from which a sole counts as touching
-constexpr double kLeaves = 0.025;  ///< share below which it does no more
+constexpr double kTouchdownLoad = 0.05;  ///< load at which contact begins, share of the weight
+constexpr double kLiftOffLoad = 0.025;   ///< load at which contact ends, share of the weight
 
 }  // namespace
 
 void SoleContact::update(const BySide<double>& load) {
   load_ = load;
   for (const Side side : kSides)
-    touch_[side] = load[side] > (touch_[side] ? kLeaves : kTouches) * weight_;
+    touch_[side] = load[side] > (touch_[side] ? kLiftOffLoad : kTouchdownLoad) * weight_;
   airborne_ = touch_.left || touch_.right ? 0.0 : airborne_ + period_;
 }
 

@@ -1,4 +1,4 @@
-/// Which soles touch the ground, by the load on each, with a hysteresis.
+/// Contact detection: which soles are in contact, by their load, with hysteresis.
 #pragma once
 
 #include "baton/model/contact.hpp"
@@ -7,9 +7,9 @@ namespace baton {
 
 class SoleContact {
  public:
-  /// Both soles touch to begin with.
-  /// @param weight of the robot [N]
-  /// @param period of the measurements [s]
+  /// Initially both soles are in contact.
+  /// @param weight weight of the robot [N]
+  /// @param period time between measurements [s]
   SoleContact(double weight, double period) : weight_(weight), period_(period) {}
 
   /// @param load vertical force on each sole [N]
@@ -17,11 +17,11 @@ class SoleContact {
 
   /// Vertical force on each sole [N].
   [[nodiscard]] const BySide<double>& load() const { return load_; }
-  /// Whether a sole carries some of the weight.
+  /// Whether a sole is in contact.
   [[nodiscard]] const BySide<bool>& touch() const { return touch_; }
-  /// The load of the soles that touch [N].
+  /// Total load of the soles in contact [N].
   [[nodiscard]] double total() const;
-  /// For how long no sole has touched [s].
+  /// Time since the last contact of any sole [s].
   [[nodiscard]] double airborne() const { return airborne_; }
 
  private:

@@ -1,5 +1,5 @@
-/// Planned sample and measured state → joint target: feed-forward torque, with a bounded correction of the
-/// contact wrench (docs/theory.md §6).
+/// DCM feedback: planned sample and measured state → joint command. Feed-forward torque from a bounded correction of
+/// the contact wrench, and joint angles adapted to the terrain (docs/theory.md §6).
 #pragma once
 
 #include "baton/balance/footing.hpp"
@@ -7,11 +7,12 @@
 
 namespace baton {
 
-/// What the stabiliser asked for, to be recorded and shown.
+/// The stabiliser's latest correction, for the navigator and for recording.
 struct Correction {
-  Vec3 dcm_error = Vec3::Zero();  ///< measured − planned [m]
+  Vec3 dcm_error = Vec3::Zero();  ///< measured − planned DCM [m]
   Vec2 zmp = Vec2::Zero();        ///< commanded ZMP, in the planning frame [m]
-  Vec2 lacks = Vec2::Zero();      ///< commanded − measured ZMP of late: what the ground does not give [m]
+  Vec2 lacks =
+      Vec2::Zero();  ///< commanded − measured ZMP, low-passed: large if the terrain supports only part of a sole [m]
 };
 
 class Stabiliser {
@@ -19,11 +20,12 @@ class Stabiliser {
   /// The robot must outlive the object.
   explicit Stabiliser(const RobotModel& robot);
 
+  /// Joint command for the end of this tick.
   /// @param now planned sample at the time of the measurement
   /// @param next planned sample at the end of this tick
   [[nodiscard]] const JointTarget& target(const MotionSample& now, const MotionSample& next, const State& state);
 
-  /// Forgets what it has learnt of ground and motors.
+  /// Resets everything learned about terrain and motors.
   void reset();
 
   [[nodiscard]] const Footing& footing() const { return footing_; }
@@ -31,17 +33,17 @@ class Stabiliser {
 
  private:
   const RobotModel* robot_;
-  /// How far the ZMP has come of where it was to be.
-  void compare(const MotionSample& now, const State& state);
-  /// What keeps the joints at their angles on the long run: torque that grows with the error.
-  void integrate(const State& state);
+  /// Updates the difference between commanded and measured ZMP.
+  void compare_zmp(const MotionSample& now, const State& state);
+  /// Updates the integral action of the joints.
+  void update_integral(const State& state);
 
   Kinematics kinematics_;
   Footing footing_;
   WrenchDistribution distribution_;
-  VecX planned_;           ///< joint angles that were to be reached by now, footing included [rad]
-  VecX integral_;          ///< [N·m]
-  BySide<Wrench> wanted_;  ///< of each sole, moment about its centre
+  VecX commanded_;         ///< latest commanded joint angles, including footing (n) [rad]
+  VecX integral_torque_;   ///< torque of the integral action (n) [N·m]
+  BySide<Wrench> wanted_;  ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre
   bool first_ = true;
   JointTarget target_;
   Correction correction_;

@@ -41,7 +41,7 @@ Pose anchor_correction(const BySide<Pose>& planned, const BySide<Pose>& measured
     count += 1.0;
   }
   if (contact.left && contact.right) {
-    // The line between two soles tells their turn better than their attitudes.
+    // The line between two soles gives their yaw more accurately than their attitudes.
     const Vec3 a = planned.left.p - planned.right.p;
     const Vec3 b = measured.left.p - measured.right.p;
     yaw = wrap_angle(std::atan2(b.y(), b.x()) - std::atan2(a.y(), a.x()));

@@ -1,4 +1,4 @@
-/// Measurement → state: where the robot really is.
+/// Measurement → state: the actual state of the robot, in the planning frame.
 #pragma once
 
 #include "baton/balance/measurement.hpp"
@@ -6,15 +6,15 @@
 
 namespace baton {
 
-/// In the planning frame.
+/// Measured state, in the planning frame.
 struct State {
   VecX q;                          ///< configuration (nq)
   Vec3 com = Vec3::Zero();         ///< [m]
   Vec3 dcom = Vec3::Zero();        ///< [m/s]
   Mat3 trunk = Mat3::Identity();   ///< attitude
-  Vec3 trunk_rate = Vec3::Zero();  ///< [rad/s]
+  Vec3 trunk_rate = Vec3::Zero();  ///< angular velocity [rad/s]
   BySide<Pose> sole;
-  BySide<Wrench> force;  ///< on each sole, axes of the planning frame, moment about the sole's centre
+  BySide<Wrench> force;  ///< contact wrench on each sole, in the axes of the planning frame, moment about its centre
 
   /// Divergent component of motion [m].
   [[nodiscard]] Vec3 dcm(double omega) const { return com + dcom / omega; }
@@ -25,9 +25,9 @@ class Estimator {
   /// The robot must outlive the object.
   explicit Estimator(const RobotModel& robot);
 
-  /// The state, by forward kinematics from the measured root.
+  /// Updates the state by forward kinematics from the measured root.
   /// @param anchor planning frame in the world
-  /// @throws std::invalid_argument the measurement has no root pose (docs/balance.md: odometry gives one)
+  /// @throws std::invalid_argument the measurement has no root pose (`Odometry` adds one)
   [[nodiscard]] const State& update(const Measurement& measurement, const Pose& anchor);
 
  private:
@@ -38,8 +38,9 @@ class Estimator {
   State state_;
 };
 
-/// Pose of the planning frame (position and yaw) for which the planned soles that stand lie best on the measured
-/// ones: `correction` leads from the old planning frame to the new one.
+/// Displacement of the planning frame (position and yaw, in that frame) that best aligns the planned soles with the
+/// measured ones.
+/// @param contact soles to align
 [[nodiscard]] Pose anchor_correction(const BySide<Pose>& planned, const BySide<Pose>& measured,
                                      const BySide<bool>& contact);
 

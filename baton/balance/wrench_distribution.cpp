@@ -7,12 +7,13 @@
 namespace baton {
 namespace {
 
-constexpr double kYields = 1e3;  ///< cost of what a limit has to give way by, against that of what is shifted
-constexpr double kInside = 0.5;  ///< of `zmp_feedback`: a hull, inset, is not quite the hull of soles that are
-constexpr int kSweeps = 200;     ///< over the limits, at most
-constexpr double kExact = 1e-7;  ///< change in a sweep that ends it [weight × lever]
+constexpr double kSlackCost = 1e3;   ///< cost of a squared violation, against that of the squared shift
+constexpr double kInset = 0.5;       ///< share of `zmp_feedback`: an inset hull is not the hull of inset soles
+constexpr int kMaxSweeps = 200;      ///< over all limits
+constexpr double kTolerance = 1e-7;  ///< change in a sweep below which it ends [weight × lever]
 
-/// Of the wrench (fx, fy, fz, mx, my, mz) about a sole's centre; forces count by a lever.
+/// Contact-wrench cone for (fx, fy, fz, mx, my, mz) about the sole's centre. Friction-force rows are multiplied by
+/// `lever` [m].
 WrenchDistribution::Limits limits_of(const ConvexPolygon& outline, double friction, double lever) {
   const std::vector<Vec2>& vertices = outline.vertices();
   const auto n = static_cast<Eigen::Index>(vertices.size());
@@ -26,8 +27,8 @@ WrenchDistribution::Limits limits_of(const ConvexPolygon& outline, double fricti
     limits.row(i) << 0.0, 0.0, -inward.dot(from), inward.y(), -inward.x(), 0.0;
     radius = std::min(radius, -inward.dot(from));
   }
-  const double pyramid = friction / std::sqrt(2.0);    // inside the cone
-  const double twist = 2.0 / 3.0 * radius * friction;  // of the largest disc in it, evenly loaded
+  const double pyramid = friction / std::sqrt(2.0);    // inscribed in the cone
+  const double twist = 2.0 / 3.0 * radius * friction;  // of the largest inscribed disc, evenly loaded
   for (Eigen::Index sign = 0; sign < 2; ++sign) {
     const double s = sign == 0 ? 1.0 : -1.0;
     limits.row(n + sign) << s * lever, 0.0, pyramid * lever, 0.0, 0.0, 0.0;
@@ -43,7 +44,7 @@ WrenchDistribution::WrenchDistribution(const RobotModel& robot)
     : robot_(&robot), lever_(0.5 * robot.profile().stance.width) {
   const Profile::Margin& margin = robot.profile().margin;
   for (const Side side : kSides)
-    limits_[side] = limits_of(robot.sole(side).inset(kInside * margin.zmp_feedback), margin.friction, lever_);
+    limits_[side] = limits_of(robot.sole(side).inset(kInset * margin.zmp_feedback), margin.friction, lever_);
   const Eigen::Index rows = limits_.left.rows() + limits_.right.rows();
   A_.setZero(rows, 6);
   b_.setZero(rows);
@@ -53,8 +54,8 @@ WrenchDistribution::WrenchDistribution(const RobotModel& robot)
 BySide<Wrench> WrenchDistribution::share(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total) {
   BySide<Wrench> shared = share_wrench(*robot_, sole, contact, total);
   if (!contact.left || !contact.right) return shared;
-  // All there is to choose is what goes from the right sole to the left one: a force, by a lever, and a moment about
-  // the middle.
+  // The unknown is the wrench shifted from the right sole to the left one: force times lever, and moment about the
+  // middle.
   const Vec3 middle = 0.5 * (sole.left.p + sole.right.p);
   Eigen::Index row = 0;
   for (const Side side : kSides) {
@@ -70,7 +71,7 @@ BySide<Wrench> WrenchDistribution::share(const BySide<Pose>& sole, const BySide<
       b_[row] = limits_[side].row(i).dot(own);
     }
   }
-  const Vec6 shift = nearest();
+  const Vec6 shift = smallest_shift();
   const Vec3 force = shift.head<3>() / lever_;
   const Vec3 moment = shift.tail<3>() + middle.cross(force);
   for (const Side side : kSides) {
@@ -80,20 +81,20 @@ BySide<Wrench> WrenchDistribution::share(const BySide<Pose>& sole, const BySide<
   return shared;
 }
 
-Vec6 WrenchDistribution::nearest() {
-  // The dual of min |x|² + kYields |s|² with A x + b + s ≥ 0, limit by limit: each one's multiplier is never negative.
+Vec6 WrenchDistribution::smallest_shift() {
+  // Coordinate ascent on the dual of min |x|² + kSlackCost |s|² subject to A x + b + s ≥ 0; multipliers are ≥ 0.
   Vec6 x = Vec6::Zero();
   if (b_.minCoeff() >= 0.0) return x;
   multiplier_.setZero();
-  const double exact = kExact * robot_->mass() * kGravity * lever_;
+  const double exact = kTolerance * robot_->mass() * kGravity * lever_;
   double change = 2.0 * exact;
-  for (int sweep = 0; sweep < kSweeps && change > exact; ++sweep) {
+  for (int sweep = 0; sweep < kMaxSweeps && change > exact; ++sweep) {
     change = 0.0;
     for (Eigen::Index i = 0; i < b_.size(); ++i) {
       const Vec6 a = A_.row(i).transpose();
-      const double lacks = -(a.dot(x) + b_[i] + multiplier_[i] / kYields);
+      const double lacks = -(a.dot(x) + b_[i] + multiplier_[i] / kSlackCost);
       const double before = multiplier_[i];
-      multiplier_[i] = std::max(0.0, before + lacks / (a.squaredNorm() + 1.0 / kYields));
+      multiplier_[i] = std::max(0.0, before + lacks / (a.squaredNorm() + 1.0 / kSlackCost));
       x += (multiplier_[i] - before) * a;
       change = std::max(change, std::abs(multiplier_[i] - before) * a.norm());
     }

@@ -6,7 +6,7 @@
 namespace baton {
 namespace {
 
-constexpr double kSameStick = 0.05;  ///< change of an axis or lift that does not count
+constexpr double kJitter = 0.05;  ///< change of an axis or lift that counts as jitter
 
 }  // namespace
 
@@ -24,11 +24,11 @@ Command sanitised(const Command& command) {
 bool lever_moved(const Command& a, const Command& b) {
   if (!is_foot(a.guide)) return false;
   const Side side = side_of(a.guide);
-  return a.guide != b.guide || std::abs(a.lift[side] - b.lift[side]) > kSameStick;
+  return a.guide != b.guide || std::abs(a.lift[side] - b.lift[side]) > kJitter;
 }
 
 bool differs(const Command& a, const Command& b) {
-  return a.guide != b.guide || (a.axes - b.axes).cwiseAbs().maxCoeff() > kSameStick || lever_moved(a, b);
+  return a.guide != b.guide || (a.axes - b.axes).cwiseAbs().maxCoeff() > kJitter || lever_moved(a, b);
 }
 
 }  // namespace baton

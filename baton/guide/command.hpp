@@ -1,4 +1,4 @@
-/// What the operator asks for: the newest position of the stick.
+/// The operator's command: the latest position of the stick.
 #pragma once
 
 #include <cstdint>
@@ -7,28 +7,28 @@
 
 namespace baton {
 
-/// What a button asks for in place of the stick.
+/// A request by button, instead of the stick.
 enum class Recall : std::uint8_t {
   none,
-  retrace,  ///< what was done last, backwards
-  home,     ///< steps to the stance that the robot began in
-  stop,     ///< to rest, as quickly as that can be verified
+  retrace,  ///< go back the way it came
+  home,     ///< step to the initial stance
+  stop,     ///< come to rest by the quickest verified motion
 };
 
-/// Of several buttons held, stop wins, then retrace.
+/// The recall of the buttons held: stop before retrace before home.
 [[nodiscard]] constexpr Recall recall_of(bool stop, bool retrace, bool home) {
   return stop ? Recall::stop : retrace ? Recall::retrace : home ? Recall::home : Recall::none;
 }
 
-/// Axes are in −1…1, positive by the right hand in the heading frame: x forward, y left, z up, roll, pitch, yaw;
-/// `lift` is in 0…1, for each foot. Dead zone and curve are behind us: devices apply them.
+/// `axes` are in −1…1, in the heading frame: x forward, y left, z up, roll, pitch, yaw (right-handed). `lift` is the
+/// throttle of each foot, in 0…1. Devices have applied dead zone and response curve already.
 struct Command {
   Part guide = Part::trunk;
   Vec6 axes = Vec6::Zero();
   BySide<double> lift{0.0, 0.0};
   Recall recall = Recall::none;
 
-  /// No recall, all axes centred and the lift of the guided foot, if a foot is guided, zero.
+  /// Whether nothing is requested: no recall, centred axes, and zero lift of a guided foot.
   [[nodiscard]] bool neutral() const {
     return recall == Recall::none && axes.isZero(0.0) && (!is_foot(guide) || lift[side_of(guide)] == 0.0);
   }
@@ -38,14 +38,13 @@ struct Command {
   }
 };
 
-/// Whether the lever of the foot that `a` guides is elsewhere than in `b`, beyond the jitter of a device.
+/// Whether `a` guides a foot that `b` does not, or with another lift, beyond device jitter.
 [[nodiscard]] bool lever_moved(const Command& a, const Command& b);
 
-/// Whether a command asks for something else than another, beyond the jitter of a device; recalls aside.
+/// Whether two commands differ in guided part, axes or the lift of `a`'s foot, beyond device jitter. Ignores recalls.
 [[nodiscard]] bool differs(const Command& a, const Command& b);
 
-/// The command as it may be acted on: axes clamped to −1…1 and lifts to 0…1; what is not a number stands for a
-/// broken device and counts as centred.
+/// The command with axes clamped to −1…1 and lifts to 0…1. NaN, as from a broken device, becomes 0.
 [[nodiscard]] Command sanitised(const Command& command);
 
 }  // namespace baton

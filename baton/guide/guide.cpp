@@ -32,7 +32,7 @@ Command Guide::shortened(const GuideContext& context, const Command& command, do
   if (!is_foot(command.guide)) return shorter;
   const Side side = side_of(command.guide);
   double& lift = shorter.lift[side];
-  if (lift < kLeastLift) return shorter;  // a foot that is to stand is not left in the air
+  if (lift < kLeastLift) return shorter;  // a foot that is to land does not stay in the air
   double now = 0.0;
   if (!context.from.contact[side]) {
     const Pose in_world = context.anchor * context.from.sole[side];
@@ -46,7 +46,7 @@ Command Guide::shortened(const GuideContext& context, const Command& command, do
 GuideResult Guide::go_home(const GuideContext& context) const {
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
-  // Everything but the feet as at the start.
+  // The initial posture except for the feet.
   Goal upright = stay(context, Part::trunk);
   arms_home(upright);
   const auto stand_on = [&](Goal goal) {
@@ -67,7 +67,7 @@ GuideResult Guide::go_home(const GuideContext& context) const {
       const double nearer = (at - from.sole[side].p).head<2>().norm() - (at - placement.sole.p).head<2>().norm();
       const double turned = std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(from.sole[side].R))) -
                             std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(placement.sole.R)));
-      if (placement.against || (nearer < kSamePlace && turned < kSameYaw)) continue;
+      if (placement.refusal || (nearer < kSamePlace && turned < kSameYaw)) continue;
       Goal goal = upright;
       goal.kind = SegmentKind::step;
       goal.swing = side;
@@ -82,7 +82,7 @@ GuideResult Guide::go_home(const GuideContext& context) const {
                      (home.arms - now.arms).cwiseAbs().maxCoeff() < kSameYaw;
   if (!there) {
     goals.push_back(home);
-    for (const double share : {0.5, 0.2}) {  // or nearer to it
+    for (const double share : {0.5, 0.2}) {  // or part of the way
       Goal nearer = home;
       nearer.com = from.com + share * (home.com - from.com);
       nearer.trunk = interpolate(from.trunk, home.trunk, share);
@@ -99,9 +99,9 @@ Goal Guide::stay(const GuideContext& context, Part guided) const {
   goal.guided = guided;
   goal.sole = context.from.sole;
   goal.contact = context.from.contact;
-  goal.unsure = context.unsure;
+  goal.place_uncertainty = context.place_uncertainty;
   goal.com = context.from.com;
-  goal.trunk = leaning(context.from.trunk, robot_->profile().region.trunk_inclination);
+  goal.trunk = limit_tilt(context.from.trunk, robot_->profile().region.trunk_inclination);
   goal.arms = context.from.q.tail(robot_->nv() - 6);
   return goal;
 }

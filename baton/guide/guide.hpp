@@ -1,5 +1,5 @@
-/// Command → goal: the guiding rule of the guided part and the synergetic rules of all others
-/// (docs/theory.md §2). A pure function: nothing is remembered here.
+/// Command → goals: the guiding rule of the guided part, and the synergetic rules of all others (docs/theory.md §2).
+/// Results depend on the arguments only.
 #pragma once
 
 #include <functional>
@@ -13,122 +13,129 @@
 
 namespace baton {
 
-/// What the rules need to know besides the command.
+/// State that the rules depend on, beside the command. Poses are in the planning frame unless noted.
 struct GuideContext {
-  /// Planned posture that goals are relative to, at rest, in the planning frame. With a step under way: the one that
-  /// it began in, both feet standing.
+  /// Planned posture that goals are relative to. At rest, except for `stops` and `catches`. With a step under way, the
+  /// posture that it began in, on both feet.
   Posture from;
   Pose anchor;                   ///< planning frame in the world: position and yaw
   Side last_step = Side::right;  ///< the foot that stepped last
-  BySide<Pose> foothold;         ///< where each foot stood last, in the planning frame
+  BySide<Pose> foothold;         ///< latest foothold of each foot
 
   /// A step under way.
   struct Step {
-    Side side = Side::left;  ///< the foot that is in the air: no other can step
-    Pose to;                 ///< where it lands if nothing else is asked for
+    Side side = Side::left;  ///< the foot in the air: the other cannot step
+    Pose to;                 ///< planned foothold
   };
   std::optional<Step> step{};
-  bool goes_on = false;  ///< the stick is held: better a step now than where there is no other way
+  bool goes_on = false;  ///< the stick is held: a guided trunk prefers stepping to shifting the COM
 
-  double unsure = 0.0;  ///< how far off the robot's place may be: edges are kept so much farther away [m]
+  double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
 
-  Pose way{};   ///< where the planning frame would be if no sole had slid
-  Pose back{};  ///< of the move there, in the planning frame, what a guided trunk makes up for now
+  Pose slip_free_frame{};   ///< where the planning frame would be in the world if no sole had slipped
+  Pose drift_correction{};  ///< displacement towards it, in the planning frame, that a guided trunk applies to its goal
 };
 
-/// Nothing is asked for; goals, the one that the rules prefer first and then what else would serve the command; or
-/// the reason why there is none.
+/// Nothing requested; goals, the preferred one first; or the reason why there is none.
 using GuideResult = std::variant<std::monostate, std::vector<Goal>, Refusal>;
 
 class Guide {
  public:
-  /// Lifts below this share of the throttle count as zero.
+  /// Lift commands below this count as zero.
   static constexpr double kLeastLift = 0.05;
 
   /// Robot and world must outlive the object.
   Guide(const RobotModel& robot, const World& world) : robot_(&robot), world_(&world) {}
 
-  /// The goals that `command` asks for. The command is sanitised here.
+  /// Goals for a command. Sanitises the command.
   [[nodiscard]] GuideResult goals(const GuideContext& context, const Command& command) const;
 
-  /// The axes that a part can use.
+  /// Indices of the axes that a part can use.
   [[nodiscard]] std::vector<int> axes_of(Part part) const;
 
-  /// The same command, its goal only a share of the way from where the guided part is now.
+  /// The command with its goal moved towards the guided part, to `share` of the distance.
   [[nodiscard]] Command shortened(const GuideContext& context, const Command& command, double share) const;
 
-  /// The same command of a foot, its goal brought into the foot's region.
+  /// The command for a foot, with its goal clamped to the foot's region.
   [[nodiscard]] Command within_region(const GuideContext& context, const Command& command) const;
 
-  /// Where the foothold that a command of a foot asks for is on an edge: the nearest one that leads the same way and
-  /// can be stood on, short of the edge or past it. Nothing if there is none, or the foot is to be in the air.
+  /// For a guided foot whose requested foothold is on a terrain edge: the nearest valid foothold in the same direction,
+  /// before the edge or past it. Nothing if there is none, or the foot is to stay in the air.
   [[nodiscard]] GuideResult nearest_step(const GuideContext& context, const Command& command) const;
 
-  /// A step of the other foot towards where the guided foot is to go, for when that one cannot step: at an edge that is
-  /// out of its region, or at its region's forward border. Nothing if the other foot gains too little by a step.
+  /// For a guided foot that cannot step, at the border of its region or before an edge it cannot pass: a step of the
+  /// other foot in the same direction. Nothing if that step would be too short.
   [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Command& command) const;
 
-  /// Ways to put down a foot that is in the air: where it is, where it stood last, at the nearest place; with the
-  /// COM as high as it is, or lower.
+  /// Landings of a foot in the air: below it, on its latest foothold, or on the nearest valid foothold; with the COM at
+  /// its current height, then lower.
   [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;
 
-  /// Ways to come to rest from a posture that moves, `context.from`: with both feet where they stand, the COM where it
-  /// can be halted; with a foot in the air, by putting it down, first where it was to land.
+  /// Goals that bring a moving posture, `context.from`, to rest. On both feet, the COM is halted ahead of where it is.
+  /// A foot in the air lands, preferably on its planned foothold.
   [[nodiscard]] GuideResult stops(const GuideContext& context) const;
 
-  /// Steps for a robot that is pushed off its way, from the posture `context.from`, which may move: the foot that is in
-  /// the air, or about to leave the ground, or one of both, lands `by` farther [m], or half as far, as its region
-  /// allows. Nothing where no step helps: sideways on both feet, as the one that would have to step carries the weight.
-  /// @param aside the other one steps there all the same, as near to it as its region allows
+  /// Capture steps after a push, from `context.from`, which may move. The foot in the air, the one about to lift off,
+  /// or else one of both lands farther by `by`, or by half of it, within its region. Nothing for a sideways push on
+  /// both feet, as the foot on that side carries the weight.
+  /// @param by displacement of the foothold, in the planning frame [m]
+  /// @param aside after a sideways push, step with the other foot all the same
   [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by, bool aside = false) const;
 
  private:
-  struct Placement;  ///< a foot somewhere, and what speaks against it
+  struct Placement;  ///< a foothold, or the reason why it is invalid
 
   [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Command& command) const;
   [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Command& command) const;
-  /// Back to the stance that the robot began in, where the feet are now: by steps, COM, trunk and arms.
+  /// Goals towards the initial stance, at the feet's current place: steps first, then COM, trunk and arms.
   [[nodiscard]] GuideResult go_home(const GuideContext& context) const;
-  /// Decides whether and where a foot steps for the COM and trunk attitude of `goal`.
+  /// Decides whether and where a foot steps, given COM and trunk attitude of `goal`.
   [[nodiscard]] GuideResult stand_under(const GuideContext& context, const Goal& goal) const;
 
   /// A goal in which nothing moves.
   [[nodiscard]] Goal stay(const GuideContext& context, Part guided) const;
-  /// A goal in which a foot is put down there, and the COM goes above the middle.
+  /// A goal in which a foot lands on `sole`, with the COM above the middle of the feet.
   [[nodiscard]] Goal landing(const GuideContext& context, Side side, const Pose& sole) const;
-  /// What else may be done if the legs cannot step with the COM so low or high, or the trunk so inclined: the same with
-  /// the COM as high as at the start, and with the trunk upright too.
+  /// Appends alternatives for a posture too low, too high or too inclined for stepping: `goal` with the COM halfway to
+  /// and at its nominal height, then with the trunk upright, too.
   void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
+  /// Sets the arms to the home pose.
   void arms_home(Goal& goal) const;
-  /// The foot at a place on the ground, as far from edges as the profile and the place's uncertainty say, or as given,
-  /// or in the air `lift` above it.
-  /// @param from_here a foot that is outside its region, as one is when soles are turned against each other, may stay
-  /// there or come nearer
+  /// Places a foot on the terrain, or in the air above it.
+  /// @param at position of the sole [m]
+  /// @param lift height above the terrain [m]; 0: it stands
+  /// @param forward region in x
+  /// @param edge distance from terrain edges [m]; by default `margin.edge` plus the position's uncertainty
+  /// @param from_here extends the region to the foot's current place, which is outside if the soles are turned against
+  /// each other
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
                                 const Range& forward, std::optional<double> edge = {}, bool from_here = false) const;
-  /// Of the places in the foot's region, the nearest to `at` that can be stood on.
-  /// @param serves if given, of those for which it is true [m, planning frame]
+  /// The valid foothold nearest to `at`, by a grid search over the foot's region.
+  /// @param serves if given, restricts the positions [m]
   [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
                                         const Range& forward,
                                         const std::function<bool(const Vec2&)>& serves = {}) const;
-  /// Where a command sends the foot that it guides.
+  /// Target of a guided foot.
   struct FootWish {
-    Vec2 move;          ///< [m]
+    Vec2 move;          ///< displacement [m]
     double yaw = 0.0;   ///< [rad]
-    double lift = 0.0;  ///< height above the ground; 0: it is to stand [m]
+    double lift = 0.0;  ///< height above the terrain [m]; 0: it stands
   };
   [[nodiscard]] FootWish foot_wish(const GuideContext& context, const Command& command) const;
-  /// The guided foot to `sole`, all else by rule.
+  /// Goals with the guided foot at `sole` and all other parts by rule.
+  /// @param stands on the ground, not in the air
   [[nodiscard]] std::vector<Goal> foot_goals(const GuideContext& context, Side side, const Pose& sole,
                                              bool stands) const;
-  /// Appends the steps that serve a COM and trunk goal, with soles that far apart; returns what speaks against
-  /// the preferred one.
+  /// Appends goals with a step that serves COM and trunk of `goal`, the preferred one first. Returns the refusal of the
+  /// first foothold that is invalid.
+  /// @param turn whether a step is due to turn the feet
+  /// @param forward region in x
   std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
                                    std::vector<Goal>& goals) const;
-  /// `goal` with a step to `sole`.
+  /// `goal` with a step to `sole`, and the COM above the middle of the feet.
   [[nodiscard]] Goal stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const;
-  /// COM above the supporting soles' middle, at the height that it has above its supports now.
+  /// COM position above the middle of the goal's soles in contact, at its current height above the soles in contact.
   [[nodiscard]] Vec3 com_above(const GuideContext& context, const Goal& goal) const;
 
   const RobotModel* robot_;

@@ -5,9 +5,9 @@
 namespace baton {
 namespace {
 
-constexpr double kLeastStep = 0.5;      ///< shortest step to another place, share of the way asked for
-constexpr double kLeastApproach = 0.1;  ///< shortest step of the other foot, share of the way asked for
-constexpr double kLowestLift = 0.25;    ///< no foot hangs lower than this share of a step's clearance
+constexpr double kLeastStep = 0.5;  ///< least progress of a step to another foothold, share of the requested distance
+constexpr double kLeastApproach = 0.1;  ///< least progress of a step of the other foot, share of the requested distance
+constexpr double kLowestLift = 0.25;    ///< least lift of a foot in the air, share of the swing clearance
 
 }  // namespace
 
@@ -22,9 +22,9 @@ GuideResult Guide::guide_foot(const GuideContext& context, const Command& comman
   const bool rises = up && std::abs(placement.sole.p.z() - from.sole[side].p.z()) > kSamePlace;
   if (!deflected && lift == 0.0 && !up) return std::monostate{};
   if (!deflected && lift > 0.0 && up && !rises) return std::monostate{};
-  // The ways down are those that were verified before the foot was lifted: `Strategy::no_landing`.
+  // The same landings as were verified before the foot was lifted: `Strategy::no_landing`.
   if (up && lift == 0.0 && !deflected) return landings(context, side);
-  if (placement.against) return *placement.against;
+  if (placement.refusal) return *placement.refusal;
   return foot_goals(context, side, placement.sole, lift == 0.0);
 }
 
@@ -32,7 +32,7 @@ Guide::FootWish Guide::foot_wish(const GuideContext& context, const Command& com
   const Profile& profile = robot_->profile();
   const Side side = side_of(command.guide);
   const double throttle = command.lift[side] < kLeastLift ? 0.0 : command.lift[side];
-  // A foot that is only just off the ground would scrape over it as soon as it lags behind.
+  // A foot just above the ground would scrape as soon as it lags behind its plan.
   const double lift =
       throttle == 0.0 ? 0.0 : std::max(throttle * profile.swing.lift, kLowestLift * profile.swing.clearance);
   const Vec3 move = rotation_z(context.from.heading()) * Vec3(command.axes[0], command.axes[1], 0);
@@ -88,11 +88,11 @@ GuideResult Guide::nearest_step(const GuideContext& context, const Command& raw)
   const Vec2 direction = wished.move / length;
   const auto leads = [&](const Vec2& at) {
     const double ahead = (at - from).dot(direction);
-    return ahead >= kLeastStep * length && ahead >= kLeads * (at - from).norm();
+    return ahead >= kLeastStep * length && ahead >= kSameDirection * (at - from).norm();
   };
   const Placement placement =
       nearest_place(context, side, from + wished.move, wished.yaw, robot_->profile().region.foot_x, leads);
-  if (placement.against || !leads(placement.sole.p.head<2>())) return std::monostate{};
+  if (placement.refusal || !leads(placement.sole.p.head<2>())) return std::monostate{};
   return foot_goals(context, side, placement.sole, true);
 }
 
@@ -114,7 +114,7 @@ GuideResult Guide::other_foot_first(const GuideContext& context, const Command& 
   };
   const Placement placement =
       nearest_place(context, steps, wish, yaw_of(from.sole[side].R), robot_->profile().region.foot_x, leads);
-  if (placement.against || !leads(placement.sole.p.head<2>())) return std::monostate{};
+  if (placement.refusal || !leads(placement.sole.p.head<2>())) return std::monostate{};
   return foot_goals(context, steps, placement.sole, true);
 }
 

@@ -18,9 +18,9 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
   if (turns) hand.R = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * hand.R;
   goal.hand[side] = hand;
 
-  // Only a vertical wish changes how high the COM is, and only that way.
+  // The COM height changes only with a vertical command, and only in its direction.
   const double up = command.axes[2];
-  const auto with_body_moved_by = [&](const Vec3& shift) {
+  const auto with_com_moved_by = [&](const Vec3& shift) {
     Goal moved = goal;
     moved.com += Vec3(shift.x(), shift.y(), up * shift.z() > 0.0 ? shift.z() : 0.0);
     const double support = from.support_height();
@@ -30,27 +30,27 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
   };
   if (context.step) return std::vector<Goal>{stepping(context, goal, context.step->side, context.step->to)};
   std::vector<Goal> goals;
-  std::optional<Refusal> against;
+  std::optional<Refusal> refusal;
   const auto add = [&](const GuideResult& more) {
     const auto* list = std::get_if<std::vector<Goal>>(&more);
     if (list != nullptr) goals.insert(goals.end(), list->begin(), list->end());
-    if (list == nullptr && !against) against = std::get<Refusal>(more);
+    if (list == nullptr && !refusal) refusal = std::get<Refusal>(more);
   };
   const Vec3 move = hand.p - from.hand[side].p;
   const Vec3 stretch = hand.p - from.shoulder[side];
   const double length = stretch.norm();
   if (length > profile.region.hand_distance) {
-    add(stand_under(context, with_body_moved_by((length - profile.region.hand_distance) / length * stretch)));
+    add(stand_under(context, with_com_moved_by((length - profile.region.hand_distance) / length * stretch)));
   } else {
     goals.push_back(goal);
   }
-  // What the arm cannot do, the body may: it goes along with the hand.
-  add(stand_under(context, with_body_moved_by(move)));
-  if (goals.empty()) return *against;
-  // Or it makes a step that leads the same way and takes the arm along as it is, to go on from there.
+  // If the arm cannot do it, the body moves along with the hand.
+  add(stand_under(context, with_com_moved_by(move)));
+  if (goals.empty()) return *refusal;
+  // Or it steps in the hand's direction with the arm as it is; the hand can go on from there.
   const auto leads = std::find_if(goals.begin(), goals.end(), [&](const Goal& step) {
     const Vec3 way = step.com - from.com;
-    const bool same = way.dot(move) > kLeads * way.norm() * move.norm() && way.norm() <= move.norm();
+    const bool same = way.dot(move) > kSameDirection * way.norm() * move.norm() && way.norm() <= move.norm();
     return step.kind == SegmentKind::step && same;
   });
   if (leads != goals.end()) {

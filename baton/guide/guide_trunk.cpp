@@ -19,24 +19,25 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
   const Mat3 turned = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
   const double most = profile.region.trunk_inclination;
-  // One that leans as far as it may leans no farther, but it goes on.
-  goal.trunk = leaning(turned, most);
+  // A trunk at its largest tilt leans no farther, but follows the rest of the command.
+  goal.trunk = limit_tilt(turned, most);
   const bool still = (goal.com - from.com).norm() < 1e-6;
   if (still && tilt_of(turned) > std::max(most, tilt_of(from.trunk) - 1e-9))
     return Refusal{Reason::trunk_inclination, Part::trunk, tilt_of(turned), most, ""};
   if (still && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
     return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
   }
-  goal.com.head<2>() = (context.back * goal.com).head<2>();
-  goal.trunk = context.back.R * goal.trunk;
+  goal.com.head<2>() = (context.drift_correction * goal.com).head<2>();
+  goal.trunk = context.drift_correction.R * goal.trunk;
   arms_home(goal);
   GuideResult result = stand_under(context, goal);
   auto* goals = std::get_if<std::vector<Goal>>(&result);
   for (std::size_t i = 0; goals != nullptr && i < goals->size(); ++i) {
-    // Where no foot gets there, only the turn is made up for.
+    // If no step reaches the corrected goal, only yaw is corrected.
     Goal& made = (*goals)[i];
     const bool there = (made.com - goal.com).head<2>().norm() < kSamePlace;
-    made.back = there ? context.back : Pose{made.com - context.back.R * made.com, context.back.R};
+    made.drift_correction = there ? context.drift_correction
+                                  : Pose{made.com - context.drift_correction.R * made.com, context.drift_correction.R};
   }
   return result;
 }
@@ -53,21 +54,21 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   std::vector<Goal> goals;
   const bool stays = stands && !turn && !context.step;
   const bool walks = context.goes_on && goal.guided == Part::trunk;
-  // A COM that does not move sideways, and need not turn, is not helped by a step.
+  // Without horizontal motion or turn, a step does not help.
   if (stays && (target - from.com.head<2>()).norm() < kSamePlace) return std::vector<Goal>{goal};
   if (stays && !walks) goals.push_back(goal);
   const double stride = profile.region.stride;
-  std::optional<Refusal> against = add_steps(context, goal, turn, {-stride, stride}, goals);
-  if (goals.empty()) against = add_steps(context, goal, turn, profile.region.foot_x, goals);
+  std::optional<Refusal> refusal = add_steps(context, goal, turn, {-stride, stride}, goals);
+  if (goals.empty()) refusal = add_steps(context, goal, turn, profile.region.foot_x, goals);
   if (context.step) goals.push_back(stepping(context, goal, context.step->side, context.step->to));
   if (stays && walks) goals.push_back(goal);
-  // If no foot can follow, the trunk can still turn, as far as feet may be turned at all.
+  // If no foot can follow, the trunk alone turns, within the yaw limit of the feet.
   const bool turns_alone = stands && turn && !context.step;
   if (turns_alone && std::abs(wrap_angle(yaw - from.heading())) <= profile.region.foot_yaw) goals.push_back(goal);
   const auto step = std::find_if(goals.begin(), goals.end(), [](const Goal& g) { return g.kind == SegmentKind::step; });
   if (step != goals.end()) add_nominal(context, *step, goals);
   if (!goals.empty()) return goals;
-  return refusal_by(Reason::no_progress, *against);
+  return refusal_by(Reason::no_progress, *refusal);
 }
 
 Goal Guide::stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const {
@@ -75,7 +76,7 @@ Goal Guide::stepping(const GuideContext& context, const Goal& goal, Side side, c
   stepping.kind = SegmentKind::step;
   stepping.swing = side;
   stepping.sole[side] = sole;
-  // Above the middle of the feet, at the height above the supports that was asked for.
+  // Above the middle of the feet, at the requested height above the soles in contact.
   const double height = goal.com.z() - context.from.support_height();
   stepping.com = 0.5 * (stepping.sole.left.p + stepping.sole.right.p) + Vec3(0, 0, height);
   return stepping;
@@ -86,26 +87,26 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
   const Vec2 target = goal.com.head<2>();
-  // The farther foot first; at a tie, the one that did not step last.
+  // The foot farther from the goal first; at a tie, the one that did not step last.
   const auto distance = [&](Side side) { return (from.sole[side].p.head<2>() - target).norm(); };
   Side first = other(context.last_step);
   if (std::abs(distance(Side::left) - distance(Side::right)) > kSamePlace) {
     first = distance(Side::left) > distance(Side::right) ? Side::left : Side::right;
   }
   const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
-  std::optional<Refusal> against;
+  std::optional<Refusal> refusal;
   const std::vector<Side> feet = context.step ? std::vector{context.step->side} : std::vector{first, other(first)};
   for (const Side side : feet) {
     const Placement placement = place(context, side, wish(side), yaw, 0.0, forward);
-    if (!placement.against) goals.push_back(stepping(context, goal, side, placement.sole));
-    if (placement.against && !against) against = placement.against;
+    if (!placement.refusal) goals.push_back(stepping(context, goal, side, placement.sole));
+    if (placement.refusal && !refusal) refusal = placement.refusal;
   }
-  // Then, of both feet, the place whose middle is nearest to the goal, if that is progress.
+  // Then the valid foothold nearest to the ideal one, for each foot, if it is progress: the better one first.
   const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
   std::vector<std::pair<double, std::pair<Side, Pose>>> nearest;
   for (const Side side : feet) {
     const Placement candidate = nearest_place(context, side, wish(side), yaw, forward);
-    if (candidate.against) continue;
+    if (candidate.refusal) continue;
     const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
     const double turned =
         std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) - std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
@@ -116,7 +117,7 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   if (nearest.size() == 2 && nearest[1].first < nearest[0].first - kSamePlace) std::swap(nearest[0], nearest[1]);
   for (const auto& [left, placed] : nearest)
     goals.push_back(stepping(context, goal, placed.first, placed.second));
-  return against;
+  return refusal;
 }
 
 }  // namespace baton

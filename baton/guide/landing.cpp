@@ -9,11 +9,11 @@
 namespace baton {
 namespace {
 
-constexpr double kSideways =
-    0.5;  ///< no step is made into a push that goes farther aside than this share of its way ahead
-constexpr double kStraight = 0.1;  ///< a push that goes less far aside than this share is straight ahead or back
-constexpr std::array<double, 2> kCatches{1.0, 0.5};    ///< shares of the way that a step should go to catch the robot
-constexpr std::array<double, 3> kHalt{1.0, 1.5, 0.5};  ///< ways in which a COM with speed v is to halt [v/ω]
+constexpr double kSideways = 0.5;  ///< ratio of lateral to forward displacement above which a push is sideways
+constexpr double kStraight = 0.1;  ///< the same ratio below which it is straight ahead or back
+constexpr std::array<double, 2> kCaptureShares{1.0, 0.5};  ///< shares of the displacement that capture steps try
+constexpr std::array<double, 3> kStopDistances{1.0, 1.5,
+                                               0.5};  ///< stopping distances tried for a COM with speed v [v/ω]
 
 }  // namespace
 
@@ -34,8 +34,8 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
   const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region, {}, true);
-  // Where it stood it can stand again, even if the other foot has come to rest a little outside the region since, or
-  // it turned out to stand a little nearer to an edge.
+  // The latest foothold stays valid, even if the stance foot has since come to rest slightly outside the region, or
+  // odometry now puts it slightly closer to an edge.
   const Range stood{region.lo - profile.reach.foot, region.hi + profile.reach.foot};
   const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0, true);
   const Range stride{-profile.region.stride, profile.region.stride};
@@ -43,7 +43,7 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   std::vector<Goal> goals;
   for (const double down : {0.0, profile.reach.trunk}) {
     for (const Placement* placement : {&here, &back, &near}) {
-      if (placement->against) continue;
+      if (placement->refusal) continue;
       Goal goal = landing(context, side, placement->sole);
       goal.returns = placement == &back;
       const double height = context.from.com.z() - context.from.support_height();
@@ -51,7 +51,7 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
       goals.push_back(std::move(goal));
     }
   }
-  if (goals.empty()) return *here.against;
+  if (goals.empty()) return *here.refusal;
   return goals;
 }
 
@@ -67,7 +67,7 @@ GuideResult Guide::stops(const GuideContext& context) const {
       support_polygon(*robot_, from.sole, from.contact, from.com, support_plane(from.sole, from.contact))
           .inset(robot_->profile().margin.stand_on);
   std::vector<Goal> goals;
-  for (const double way : kHalt) {
+  for (const double way : kStopDistances) {
     Goal goal = stay(context, Part::trunk);
     goal.com.head<2>() = support.nearest((from.com + way / robot_->omega() * from.dcom).head<2>());
     goals.push_back(std::move(goal));
@@ -81,14 +81,14 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
   std::vector<Goal> goals;
   const auto add = [&](Side side, const Vec2& at, double yaw, SegmentKind kind) {
     const Placement placement = nearest_place(context, side, at, yaw, profile.region.foot_x);
-    if (placement.against) return;
+    if (placement.refusal) return;
     Goal goal = landing(context, side, placement.sole);
     goal.kind = kind;
     goals.push_back(goal);
     add_nominal(context, goal, goals);
   };
   const auto land = [&](Side side, const Vec3& at, double yaw, SegmentKind kind) {
-    for (const double share : kCatches)
+    for (const double share : kCaptureShares)
       add(side, at.head<2>() + share * by, yaw, kind);
   };
   const auto beside = [&](Side side) {
@@ -101,13 +101,13 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
   } else if (from.contact.left && from.contact.right) {
     const Vec3 ahead = rotation_z(-from.heading()) * Vec3(by.x(), by.y(), 0);
     if (!aside && std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
-    // It stands on the foot to whose side it is pushed; if it is to neither, the one that carries less leaves the
-    // ground.
+    // A sideways push loads the foot on that side, so the other one steps. After a straight push it is the one that
+    // carries less.
     const auto far = [&](Side side) { return (from.sole[side].p - from.com).head<2>().norm(); };
     const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
     const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)
                                 : (ahead.y() < 0.0 ? Side::left : Side::right);
-    // A foot that is about to leave the ground may be the one that can, or have all the weight still.
+    // A foot about to lift off comes first; it may still carry the weight, so the other is tried, too.
     const Side best = from.lift_off ? from.lift_off->side : first;
     for (const Side side : {best, other(best)}) {
       if (!straight && !from.lift_off && side != best) continue;

@@ -1,38 +1,38 @@
-/// What the guiding rules share. Internal to the guide: they are members of `Guide`, in a file for each job.
+/// Internal to the guide: what its source files share.
 ///
-/// - `guide.cpp`: which rule a command asks for; goals that all rules begin with
+/// - `guide.cpp`: selection of the rule; goals common to all rules; going home
 /// - `guide_foot.cpp`, `guide_trunk.cpp`, `guide_hand.cpp`: the guiding rule of each part
-/// - `placement.cpp`: where a foot can stand
-/// - `landing.cpp`: how a foot comes down, and how the robot comes to rest or catches itself
+/// - `placement.cpp`: valid footholds
+/// - `landing.cpp`: landings, stops and capture steps
 #pragma once
 
 #include "baton/guide/guide.hpp"
 
 namespace baton {
 
-/// A foot somewhere, and what speaks against it.
+/// A foothold, or the reason why it is invalid.
 struct Guide::Placement {
   Pose sole;
-  std::optional<Refusal> against;
+  std::optional<Refusal> refusal;
 };
 
-inline constexpr double kSamePlace = 1e-3;  ///< nearer to each other two places are one, for any size of robot [m]
-inline constexpr double kSameYaw = 0.01;    ///< nearer to each other two headings are one [rad]
-inline constexpr double kLeads = 0.7;       ///< cosine of the angle up to which two ways lead the same way
+inline constexpr double kSamePlace = 1e-3;     ///< places closer than this are the same, for robots of any size [m]
+inline constexpr double kSameYaw = 0.01;       ///< headings closer than this are the same [rad]
+inline constexpr double kSameDirection = 0.7;  ///< cosine of the angle below which two directions are the same
 
-/// Attitude with the yaw taken out: how the trunk leans.
+/// Attitude without its yaw.
 [[nodiscard]] inline Mat3 inclination(const Mat3& R) {
   return rotation_z(-yaw_of(R)) * R;
 }
 
-/// An attitude that leans by `most` at most [rad]: set upright in the plane it leans in.
-[[nodiscard]] inline Mat3 leaning(const Mat3& R, double most) {
+/// The attitude with its tilt reduced to `most` [rad] if it is larger, in the plane that it leans in.
+[[nodiscard]] inline Mat3 limit_tilt(const Mat3& R, double most) {
   const double excess = tilt_of(R) - most;
   if (!(excess > 0.0)) return R;
   return rotation_exp(R.col(2).cross(Vec3::UnitZ()).normalized() * excess) * R;
 }
 
-/// The end of a range that a value outside it is nearest to.
+/// The end of the range nearest to a value outside it.
 [[nodiscard]] inline double nearest_limit(double value, const Range& range) {
   return value < range.lo ? range.lo : range.hi;
 }

@@ -17,8 +17,8 @@ struct InverseKinematics::Workspace {
 
   int rows = 0;
   JacobianRows J;         ///< task rows × nv
-  std::vector<int> free;  ///< columns of J that the tasks move; the others go where dq_ref says
-  MatX J_free;            ///< those
+  std::vector<int> free;  ///< dofs that the tasks determine; the others follow dq_ref
+  MatX J_free;            ///< the columns `free` of J
   Column e;               ///< errors
   Column R;               ///< damping of each row
   VecX dq_ref;            ///< (nv)
@@ -27,7 +27,7 @@ struct InverseKinematics::Workspace {
   Square A;
   Column y;
 
-  /// The program of a bounded step, in the solver's terms.
+  /// Quadratic program of a bounded step, in the solver's notation.
   struct Program {
     eiquadprog::solvers::EiquadprogFast qp;
     MatX H, CE, CI;
@@ -70,7 +70,7 @@ void InverseKinematics::measure(const IkTargets& targets, IkResult& result) {
   w.rows = 0;
   w.e.resize(kMostRows);
   w.R.resize(kMostRows);
-  // Appends a task's error; returns its norm, or 0 for a target that is not a number.
+  // Appends a task's error and returns its norm, or 0 if the target is not finite.
   const auto add = [&](Vec3 error, double damping, bool error_damped) {
     double norm = error.norm();
     if (!std::isfinite(norm)) {
@@ -148,7 +148,7 @@ void InverseKinematics::bounded_step() {
   Workspace::Program& p = w.bounded;
   const auto J = w.J.topRows(w.rows);
   const int n = static_cast<int>(w.lower.size());
-  constexpr double kFixed = 1e6;  // cost of a joint that should go just where dq_ref says
+  constexpr double kFixed = 1e6;  // cost of a joint that follows dq_ref
   VecX cost = VecX::Constant(w.dq.size(), kFixed);
   for (const int i : w.free)
     cost[i] = 1.0;
@@ -164,7 +164,7 @@ void InverseKinematics::bounded_step() {
   if (status == eiquadprog::solvers::EIQUADPROG_FAST_OPTIMAL && x.allFinite()) {
     w.dq = x;
   } else {
-    // The bounds always hold at dq = 0 or nearer to them; shorten the free step until they do.
+    // No solution: scale the free step towards 0, where the bounds hold, until it is within them.
     double scale = w.dq.allFinite() ? 1.0 : 0.0;
     for (int j = 0; j < n && scale > 0.0; ++j) {
       const double step = w.dq[6 + j];
@@ -180,12 +180,12 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
   const auto& joints = robot_->joints();
   const int n = static_cast<int>(joints.size());
   BySide<bool> follow{!targets.hand.left, !targets.hand.right};
-  const auto is_led = [&](Side side, int j) {  // an arm whose hand has no task
+  const auto follows_angles = [&](Side side, int j) {  // an arm whose hand has no target
     return follow[side] && std::ranges::find(robot_->arm(side), j) != robot_->arm(side).end();
   };
   w.free.clear();
   for (int i = 0; i < robot_->nv(); ++i) {
-    if (!is_led(Side::left, i - 6) && !is_led(Side::right, i - 6)) w.free.push_back(i);
+    if (!follows_angles(Side::left, i - 6) && !follows_angles(Side::right, i - 6)) w.free.push_back(i);
   }
   const auto lowest = [&](int j) {
     const auto& joint = joints[static_cast<std::size_t>(j)];

@@ -5,7 +5,7 @@
 namespace baton {
 namespace {
 
-constexpr double kStep = 1e-3;  ///< of the differences along (q, q̇, q̈), for any size of robot [s]
+constexpr double kStep = 1e-3;  ///< step of the finite differences along (q, q̇, q̈), for robots of any size [s]
 
 PoseRate rate_of(const Pose& before, const Pose& now, const Pose& after) {
   const Vec3 back = rotation_error(before.R, now.R);

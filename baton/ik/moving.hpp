@@ -1,4 +1,4 @@
-/// A robot on the move: the posture at a sample of a motion, and how its parts move there.
+/// Postures on the way of a motion, and the velocities and accelerations of the body parts in them.
 #pragma once
 
 #include "baton/model/kinematics.hpp"
@@ -6,16 +6,15 @@
 
 namespace baton {
 
-/// The posture that a motion passes through at a sample, with the velocities and accelerations that it has there.
+/// The posture at a sample of a motion, with its velocities and accelerations.
 [[nodiscard]] Posture passing(const RobotModel& robot, const MotionSample& sample);
 
-/// How a pose moves: v and a of its origin [m/s], [m/s²], its angular velocity [rad/s] and acceleration [rad/s²], all
-/// in the frame that the pose is given in.
+/// Velocity and acceleration of a pose, in the frame that the pose is given in.
 struct PoseRate {
-  Vec3 v = Vec3::Zero();
-  Vec3 a = Vec3::Zero();
-  Vec3 rate = Vec3::Zero();
-  Vec3 rate_change = Vec3::Zero();
+  Vec3 v = Vec3::Zero();            ///< of the origin [m/s]
+  Vec3 a = Vec3::Zero();            ///< of the origin [m/s²]
+  Vec3 rate = Vec3::Zero();         ///< angular velocity [rad/s]
+  Vec3 rate_change = Vec3::Zero();  ///< angular acceleration [rad/s²]
 };
 
 struct PartRates {
@@ -24,7 +23,7 @@ struct PartRates {
   BySide<PoseRate> hand;
 };
 
-/// How the parts move in a posture; all zero at rest.
+/// Rates of the body parts in a posture, by finite differences; all zero at rest.
 [[nodiscard]] PartRates part_rates(Kinematics& kinematics, const Posture& posture);
 
 }  // namespace baton

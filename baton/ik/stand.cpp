@@ -37,7 +37,7 @@ Posture stand(const RobotModel& robot, const Pose& start, double com_height) {
     const Joint& joint = robot.joints()[j];
     const auto i = static_cast<Eigen::Index>(j);
     targets.arms[i] = joint.home;
-    // Knees bent: at straight ones the problem is singular. A knee is a joint that bends one way only.
+    // Initial guess with bent knees, as straight ones are singular. A knee is a joint that bends one way only.
     const double span = joint.position.hi - joint.position.lo;
     double angle = joint.home;
     if (joint.position.lo > -0.1 * span) angle = std::max(angle, joint.position.lo + 0.3 * span);
@@ -49,7 +49,7 @@ Posture stand(const RobotModel& robot, const Pose& start, double com_height) {
     for (const int j : robot.arm(side))
       q[7 + j] = targets.arms[j];
   }
-  // Begin with the trunk turned as it should be, and the soles about where they should be.
+  // With the attitude of the target, and the soles roughly in place.
   Eigen::Quaterniond attitude(start.R);
   q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
   const Posture guess = posture_of(robot, q);

@@ -1,4 +1,4 @@
-/// The posture that a robot begins with.
+/// Postures at rest, and the initial standing posture.
 #pragma once
 
 #include "baton/ik/inverse_kinematics.hpp"
@@ -6,15 +6,15 @@
 
 namespace baton {
 
-/// Posture of a configuration: body parts by forward kinematics, both feet standing, at rest.
+/// Posture of a configuration by forward kinematics, at rest on both feet.
 [[nodiscard]] Posture posture_of(const RobotModel& robot, const VecX& q);
 
-/// Both soles flat at the stance width about `start` (x forward, z up), COM above their midpoint at `com_height`
-/// [m] over them, trunk upright, arms at home.
-/// @throws InputError the robot cannot stand so: the message names the residual
+/// The standing posture: soles flat, at the stance width about `start` (x forward, z up); COM `com_height` [m] above
+/// their midpoint; trunk upright; arms at home.
+/// @throws InputError the robot cannot stand that way; the message has the residual
 [[nodiscard]] Posture stand(const RobotModel& robot, const Pose& start, double com_height);
 
-/// The sample of a robot that rests in a posture.
+/// The motion sample of a robot at rest in a posture.
 [[nodiscard]] MotionSample resting(const RobotModel& robot, const Posture& posture);
 
 }  // namespace baton

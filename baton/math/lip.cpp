@@ -9,7 +9,7 @@ namespace baton {
 
 namespace {
 
-/// Of one interval with a = ωh: E = e^{−a}, F = (1 − E)/a.
+/// Coefficients of an interval of length h, with a = ωh: E = e^{−a}, F = (1 − E)/a.
 struct Decay {
   explicit Decay(double a) : E(std::exp(-a)), F(a > 1e-9 ? (1.0 - E) / a : 1.0 - 0.5 * a) {}
   double E, F;
@@ -31,7 +31,7 @@ ComPath::ComPath(double omega, std::vector<double> times, std::vector<Vec3> knot
                  const VrpOffset& offset)
     : omega_(omega), times_(std::move(times)), knots_(std::move(knots)) {
   constexpr double kSame = 1e-9;  // [s]
-  std::size_t next = 0;           // of the offset's corners
+  std::size_t next = 0;           // index into the offset's nodes
   for (std::size_t k = 0; k < times_.size(); ++k) {
     for (; next < offset.times.size() && offset.times[next] < times_[k] - kSame; ++next) {
       const double t = offset.times[next];
@@ -108,7 +108,7 @@ KnotResponse knot_response(double omega, std::span<const VrpKnot> knots, const V
     r.eta0.row(k + 1) = E * r.eta0.row(k);
   }
   if (!offset.times.empty()) {
-    // What the offset does by itself: the same recursions from corner to corner.
+    // The contribution of the offset: the same recursions, from one of its nodes to the next.
     const std::size_t last = offset.times.size() - 1;
     std::vector<Vec3> forward(last + 1, Vec3::Zero()), backward(last + 1, Vec3::Zero());
     for (std::size_t k = 0; k < last; ++k) {

@@ -6,7 +6,7 @@
 namespace baton {
 namespace {
 
-constexpr double kOneCorner = 1e-9;  ///< [m]
+constexpr double kSameVertex = 1e-9;  ///< vertices closer than this are one [m]
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -52,11 +52,11 @@ ConvexPolygon ConvexPolygon::hull(std::span<const Vec2> points) {
   for (std::size_t i = sorted.size(); i-- > 1;)
     extend(sorted[i - 1], lower - 1);
   if (chain.size() > 1) chain.pop_back();
-  // Corners that are one corner but for rounding would make edges of no direction.
+  // Vertices that coincide but for rounding would give edges without a direction.
   std::vector<Vec2> corners;
   for (const Vec2& point : chain) {
     const bool known = std::any_of(corners.begin(), corners.end(), [&](const Vec2& corner) {
-      return (corner - point).squaredNorm() < kOneCorner * kOneCorner;
+      return (corner - point).squaredNorm() < kSameVertex * kSameVertex;
     });
     if (!known) corners.push_back(point);
   }
@@ -78,7 +78,7 @@ double ConvexPolygon::margin(const Vec2& point) const {
 ConvexPolygon ConvexPolygon::inset(double margin) const {
   if (empty()) return {};
   std::vector<Vec2> loop = vertices_;
-  if (margin < 0.0) {  // to grow, begin with a box that holds the grown polygon, pointed corners too
+  if (margin < 0.0) {  // to grow: clip a box large enough for the result, acute corners included
     Vec2 lo = vertices_.front();
     Vec2 hi = lo;
     for (const Vec2& vertex : vertices_) {

@@ -1,4 +1,4 @@
-/// Convex polygons in a horizontal plane: support polygons, soles, faces of the ground.
+/// Convex polygons in the horizontal plane: support polygons, soles, ground faces.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace baton {
 
-/// A convex polygon, vertices counter-clockwise. Empty when it has fewer than three vertices.
+/// A convex polygon with counter-clockwise vertices. Empty if it has fewer than three.
 class ConvexPolygon {
  public:
   ConvexPolygon() = default;
@@ -20,17 +20,17 @@ class ConvexPolygon {
   [[nodiscard]] std::vector<Vec2> vertices() && { return std::move(vertices_); }
   [[nodiscard]] bool empty() const { return vertices_.size() < 3; }
 
-  /// Distance to the nearest edge's line [m]: positive inside, negative outside, −∞ when empty.
+  /// Least signed distance to the lines through the edges [m]: positive inside, negative outside, −∞ if empty.
   [[nodiscard]] double margin(const Vec2& point) const;
 
-  /// The points at least `margin` inside every edge; empty if there are none. A negative margin moves the edges
-  /// outward.
+  /// The polygon with every edge moved inward by `margin` [m], or outward if that is negative. Empty if nothing is
+  /// left.
   [[nodiscard]] ConvexPolygon inset(double margin) const;
 
-  /// The point of the polygon nearest to `point`; `point` itself when the polygon is empty.
+  /// The point of the polygon nearest to `point`; `point` itself if the polygon is empty.
   [[nodiscard]] Vec2 nearest(const Vec2& point) const;
 
-  /// The part of this polygon that lies in `other`.
+  /// The intersection with `other`.
   [[nodiscard]] ConvexPolygon clipped(const ConvexPolygon& other) const;
 
   /// Mean of the vertices (the centre of a rectangle).
@@ -40,8 +40,8 @@ class ConvexPolygon {
   std::vector<Vec2> vertices_;
 };
 
-/// Largest gap along an edge normal of either polygon [m]; negative when they overlap. Never more than
-/// the true distance, so it is on the safe side as a clearance.
+/// Largest gap along an edge normal of either polygon [m]; negative if they overlap. A lower bound on the distance, so
+/// conservative as a clearance.
 [[nodiscard]] double separation(const ConvexPolygon& a, const ConvexPolygon& b);
 
 }  // namespace baton

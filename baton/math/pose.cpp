@@ -18,7 +18,7 @@ Vec3 rotation_log(const Mat3& R) {
   const double angle = std::atan2(sine2, R.trace() - 1.0);
   if (sine2 > 1e-6) return axis2 * (angle / sine2);
   if (angle < 1.0) return 0.5 * axis2;
-  const Eigen::AngleAxisd near_pi(R);  // the skew part vanishes at π
+  const Eigen::AngleAxisd near_pi(R);  // where the skew-symmetric part vanishes
   return near_pi.angle() * near_pi.axis();
 }
 

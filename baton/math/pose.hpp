@@ -1,4 +1,4 @@
-/// Rotations and poses: the few operations the other rooms need.
+/// Rotations and poses.
 #pragma once
 
 #include <Eigen/Dense>
@@ -25,26 +25,26 @@ struct Pose {
   [[nodiscard]] Pose inverse() const { return {-(R.transpose() * p), R.transpose()}; }
 };
 
-/// Distance between the places where two poses put a point of their frame [m]: frames that hardly differ may have
-/// origins far away from it.
+/// Distance between a * point and b * point [m]. Measured at the point that matters, as a small rotation about a far
+/// origin moves it a lot.
 [[nodiscard]] inline double distance_at(const Pose& a, const Pose& b, const Vec3& point) {
   return (a * point - b * point).norm();
 }
 
-/// v, no longer than `most`.
+/// v, shortened to the length `most` if it is longer.
 template <typename Vector>
 [[nodiscard]] Vector bounded(const Vector& v, double most) {
   const double size = v.norm();
   return size > most ? Vector(v * (most / size)) : v;
 }
 
-/// exp: rotation vector [rad] → rotation matrix.
+/// Rotation vector [rad] → rotation matrix.
 [[nodiscard]] Mat3 rotation_exp(const Vec3& theta);
 
-/// log: rotation matrix → rotation vector [rad], norm in 0…π.
+/// Rotation matrix → rotation vector [rad], norm in 0…π.
 [[nodiscard]] Vec3 rotation_log(const Mat3& R);
 
-/// Attitude error [rad, in the parent frame] that turns `R` into `goal`: log(goal Rᵀ).
+/// Rotation vector that turns `R` into `goal`, in the parent frame: log(goal Rᵀ) [rad].
 [[nodiscard]] Vec3 rotation_error(const Mat3& goal, const Mat3& R);
 
 /// Rotation about z.
@@ -62,7 +62,7 @@ template <typename Vector>
 /// Inverse of `rpy_of`.
 [[nodiscard]] Mat3 rotation_rpy(const Vec3& rpy);
 
-/// The angle brought to −π…π.
+/// The angle wrapped to −π…π [rad].
 [[nodiscard]] double wrap_angle(double angle);
 
 /// Mean of two headings, along the shorter arc [rad].

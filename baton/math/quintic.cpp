@@ -39,8 +39,8 @@ Jet smooth_step(double t, double duration) {
 Carry carry(double t, double duration) {
   if (duration <= 0.0 || t >= duration) return {};
   const double s = std::max(t / duration, 0.0);
-  const double left = (1.0 - s) * (1.0 - s) * (1.0 - s);
-  return {duration * s * left * (1.0 + 3.0 * s), 0.5 * duration * duration * s * s * left};
+  const double decay = (1.0 - s) * (1.0 - s) * (1.0 - s);
+  return {duration * s * decay * (1.0 + 3.0 * s), 0.5 * duration * duration * s * s * decay};
 }
 
 }  // namespace baton

@@ -1,4 +1,4 @@
-/// Fifth-order polynomials between states of position, velocity and acceleration.
+/// Quintic polynomials between given positions, velocities and accelerations.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ struct Jet {
   double ddx = 0.0;  ///< [·/s²]
 };
 
-/// Quintic with given end states; constant beyond its ends.
+/// Quintic with given end states. Before the start and after the end it keeps its end state.
 class Quintic {
  public:
   /// @param duration [s] > 0
@@ -28,8 +28,8 @@ class Quintic {
 /// Rest-to-rest quintic blend of s = t/duration in 0…1: 10 s³ − 15 s⁴ + 6 s⁵, and its time derivatives.
 [[nodiscard]] Jet smooth_step(double t, double duration);
 
-/// How a state of motion dies away: with a blend by `smooth_step`, a path that begins at speed v and acceleration a
-/// gets `velocity` v + `acceleration` a added. Both quintics begin and end at zero, and end at rest.
+/// How an initial velocity v and acceleration a die out along a path blended by `smooth_step`: the path gets
+/// `velocity` v + `acceleration` a added. Both quintics are zero at both ends, and end at rest (docs/theory.md §9).
 struct Carry {
   double velocity = 0.0;      ///< [s]
   double acceleration = 0.0;  ///< [s²]

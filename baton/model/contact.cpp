@@ -43,7 +43,7 @@ ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole,
 
 bool on_one_plane(const BySide<Pose>& sole, const BySide<bool>& contact, double height) {
   constexpr double kSame = 1e-9;    // [m]
-  constexpr double kLevel = 1e-12;  // of 1 − cos of the tilt
+  constexpr double kLevel = 1e-12;  // 1 − cos(tilt)
   return std::all_of(kSides.begin(), kSides.end(), [&](Side side) {
     const Pose& pose = sole[side];
     return !contact[side] || (std::abs(pose.p.z() - height) < kSame && 1.0 - pose.R(2, 2) < kLevel);
@@ -59,8 +59,8 @@ BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, c
                             const Wrench& total) {
   BySide<double> load{contact.left ? 1.0 : 0.0, contact.right ? 1.0 : 0.0};
   if (contact.left && contact.right) {
-    // Seen in a sole's frame scaled by its half sizes, the load is the projection of the ZMP on the line
-    // between the soles: then what remains, the offset common to both soles, is smallest.
+    // In a frame scaled by the sole's half sizes, the right sole's share is the projection of the ZMP on the line
+    // between the soles. This minimises the offset of the centre of pressure, which both soles have in common.
     const double height = support_plane(sole, contact);
     Vec2 half = Vec2::Zero();
     for (const Vec2& vertex : robot.sole(Side::left).vertices())
@@ -73,7 +73,7 @@ BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, c
     const double right = std::clamp(line.dot(offset) / line.squaredNorm(), 0.0, 1.0);
     load = {1.0 - right, std::isfinite(right) ? right : 0.5};
   }
-  Vec3 rest = total.moment;  // what the forces at the soles' centres leave
+  Vec3 rest = total.moment;  // moment not produced by the forces at the sole centres
   for (const Side side : kSides)
     rest -= sole[side].p.cross(load[side] * total.force);
   BySide<Wrench> shared;

@@ -1,45 +1,49 @@
-/// Contact wrenches: the support polygon, the ZMP, and how two soles share a wrench.
+/// Contact wrenches: ZMP, support polygon, distribution between the soles, joint torques.
 #pragma once
 
 #include "baton/model/kinematics.hpp"
 
 namespace baton {
 
-/// Force and moment on the robot from the ground; the moment is about the origin of the frame it is given in.
+/// Force and moment of the ground on the robot; the moment is about the origin of the frame.
 struct Wrench {
   Vec3 force = Vec3::Zero();   ///< [N]
   Vec3 moment = Vec3::Zero();  ///< [N·m]
 
-  /// The same wrench with its moment about `point`.
+  /// The moment about `point` [N·m].
   [[nodiscard]] Vec3 moment_about(const Vec3& point) const { return moment - point.cross(force); }
-  /// Where the line of force meets the plane z = height [m]. Not finite without vertical force.
+  /// ZMP on the plane z = height [m]. NaN unless the vertical force is positive.
   [[nodiscard]] Vec2 zmp(double height) const;
 };
 
-/// The wrench (about the frame's origin) that must come from the ground, from the generalised forces of
-/// inverse dynamics at the configuration that `kinematics` is set to.
+/// The total contact wrench, about the frame's origin, that a motion needs.
+/// @param kinematics set to the configuration
+/// @param force generalised forces there, by inverse dynamics without contact (nv)
 [[nodiscard]] Wrench ground_wrench(const Kinematics& kinematics, const VecX& force);
 
-/// Outline of a sole in the frame's horizontal plane.
+/// Outline of a sole, projected onto the horizontal plane.
 [[nodiscard]] ConvexPolygon sole_outline(const RobotModel& robot, Side side, const Pose& sole);
 
-/// Hull of the standing soles, their vertices projected centrally from the COM onto the plane z = height
-/// (docs/theory.md §3; exact for soles on that plane).
+/// Hull of the vertices of the soles in contact, projected from the COM onto the plane z = height
+/// (docs/theory.md §3).
 [[nodiscard]] ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole,
                                             const BySide<bool>& contact, const Vec3& com, double height);
 
-/// Whether the standing soles lie on the plane z = height: then where the COM is does not matter to their hull.
+/// Whether the soles in contact lie in the plane z = height. Their support polygon is then independent of the COM.
 [[nodiscard]] bool on_one_plane(const BySide<Pose>& sole, const BySide<bool>& contact, double height);
 
-/// Height of the lower standing sole [m].
+/// Height of the lower sole in contact [m].
 [[nodiscard]] double support_plane(const BySide<Pose>& sole, const BySide<bool>& contact);
 
-/// Shares `total` between the standing soles: the load goes with the place of the ZMP between them, chosen so
-/// that each sole's own centre of pressure is as far inside it as possible. Wrenches about the origin.
+/// Distributes `total` between the soles in contact. The load follows from where the ZMP lies between them, such that
+/// each sole's centre of pressure is as far inside the sole as possible (docs/theory.md §6). Moments about the origin.
 [[nodiscard]] BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole,
                                           const BySide<bool>& contact, const Wrench& total);
 
-/// Joint torques τ = ID − Jᵀf of the joints (n), for `force` of inverse dynamics and the soles' wrenches.
+/// Joint torques τ = ID − Jᵀf (n) [N·m].
+/// @param kinematics set to the configuration
+/// @param force generalised forces by inverse dynamics without contact (nv)
+/// @param contact wrench on each sole, moment about the origin
 void joint_torques(const Kinematics& kinematics, const VecX& force, const BySide<Wrench>& contact, VecX& tau);
 
 }  // namespace baton

@@ -1,4 +1,4 @@
-/// The exception for everything a user can put right: a file, a key, an option, a value.
+/// The exception for bad input: a file, a key, an option or a value that the user can correct.
 #pragma once
 
 #include <stdexcept>

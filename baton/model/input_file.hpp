@@ -1,4 +1,4 @@
-/// Files that are read whole: regular ones of a sensible size, so that none blocks the program or fills the memory.
+/// Reading whole files. Only regular files of limited size are accepted: others may block, or fill the memory.
 #pragma once
 
 #include <atomic>
@@ -10,15 +10,16 @@ namespace baton {
 
 inline constexpr std::uintmax_t kLargestInput = 64U << 20U;  ///< [bytes]
 
-/// @param what the file is, for messages: "script", "profile", …
-/// @throws InputError there is no such file, or it is a folder, a device, a pipe, or larger than `largest`
+/// Checks that a file can be read whole.
+/// @param what kind of file, for messages: "script", "profile", …
+/// @throws InputError no such file; or it is a folder, a device, a pipe, or larger than `largest` [bytes]
 void check_input(const std::filesystem::path& file, const std::string& what, std::uintmax_t largest = kLargestInput);
 
-/// The bytes of a file.
-/// @throws InputError as above, or it cannot be read
+/// Contents of a file.
+/// @throws InputError as above, or not readable
 [[nodiscard]] std::string read_input(const std::filesystem::path& file, const std::string& what);
 
-/// The same of a file or a pipe: a pipe is read to its end, unless `stop` becomes true before.
+/// Contents of a file or a pipe. A pipe is read to its end, or until `stop` becomes true.
 /// @throws InputError as above
 /// @throws std::runtime_error stopped
 [[nodiscard]] std::string read_input(const std::filesystem::path& file, const std::string& what,

@@ -19,11 +19,11 @@ Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeD
   const mjModel& m = robot.mj();
   for (int b = 0; b < m.nbody; ++b) {
     const Mat3 R = matrix(m.body_quat + 4 * b);
-    principal_.push_back(matrix(m.body_iquat + 4 * b));
-    turned_.push_back(R.isIdentity(0.0) ? std::nullopt : std::optional(R));
+    inertia_axes_.push_back(matrix(m.body_iquat + 4 * b));
+    fixed_rotation_.push_back(R.isIdentity(0.0) ? std::nullopt : std::optional(R));
   }
-  link_.resize(turned_.size());
-  subtree_.resize(turned_.size());
+  link_.resize(fixed_rotation_.size());
+  subtree_.resize(fixed_rotation_.size());
   axis_.resize(static_cast<std::size_t>(m.nv));
 }
 
@@ -38,24 +38,24 @@ void Kinematics::set(const VecX& q) {
     const Pose& parent = link_[static_cast<std::size_t>(m.body_parentid[b])];
     Mat3 R = parent.R;
     Vec3 p = parent.p + R.lazyProduct(vec3(m.body_pos + 3 * b));
-    if (turned_[i]) R *= *turned_[i];
+    if (fixed_rotation_[i]) R *= *fixed_rotation_[i];
     for (int j = m.body_jntadr[b]; j < m.body_jntadr[b] + m.body_jntnum[b]; ++j) {
       const auto direction = vec3(m.jnt_axis + 3 * j);
-      const auto beside = vec3(m.jnt_pos + 3 * j);
-      const bool aside = !beside.isZero(0.0);
-      if (aside) p += R * beside;
+      const auto anchor = vec3(m.jnt_pos + 3 * j);
+      const bool off_centre = !anchor.isZero(0.0);
+      if (off_centre) p += R * anchor;
       axis_[static_cast<std::size_t>(m.jnt_dofadr[j])] = {R.lazyProduct(direction), p};
       const double angle = q[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
       R *= Eigen::AngleAxisd(angle, direction).toRotationMatrix();
-      if (aside) p -= R * beside;
+      if (off_centre) p -= R * anchor;
     }
     link_[i] = {p, R};
   }
-  weighed_ = placed_ = false;
+  subtrees_valid_ = mujoco_valid_ = false;
 }
 
-void Kinematics::weigh() const {
-  if (std::exchange(weighed_, true)) return;
+void Kinematics::sum_subtrees() const {
+  if (std::exchange(subtrees_valid_, true)) return;
   const mjModel& m = robot_->mj();
   for (int b = 1; b < m.nbody; ++b) {
     const auto i = static_cast<std::size_t>(b);
@@ -65,19 +65,19 @@ void Kinematics::weigh() const {
     subtree_[static_cast<std::size_t>(m.body_parentid[b])] += subtree_[static_cast<std::size_t>(b)];
 }
 
-void Kinematics::place() const {
-  if (std::exchange(placed_, true)) return;
+void Kinematics::update_mujoco() const {
+  if (std::exchange(mujoco_valid_, true)) return;
   mju_copy(data_->qpos, q_.data(), robot_->nq());
   mj_kinematics(&robot_->mj(), data_.get());
 }
 
 Vec3 Kinematics::com() const {
-  weigh();
+  sum_subtrees();
   return subtree_[1] / robot_->mass();
 }
 
 void Kinematics::com_jacobian(Eigen::Ref<JacobianRows> rows) const {
-  weigh();
+  sum_subtrees();
   const mjModel& m = robot_->mj();
   rows.leftCols<3>().setIdentity();
   for (int i = 3; i < m.nv; ++i) {
@@ -113,14 +113,14 @@ void Kinematics::sole_jacobian(Side side, Eigen::Ref<JacobianRows> rows) const {
 void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force) {
   const mjModel& m = robot_->mj();
   set(q);
-  // What mj_comPos and mj_rne ask for of what mj_kinematics sets.
+  // The results of mj_kinematics that mj_comPos and mj_rne read.
   using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   for (int b = 1; b < m.nbody; ++b) {
     const Pose& link = body(b);
     Eigen::Map<Vec3>(data_->xpos + 3 * b) = link.p;
     Eigen::Map<Rows>(data_->xmat + 9 * b) = link.R;
     Eigen::Map<Vec3>(data_->xipos + 3 * b) = link * vec3(m.body_ipos + 3 * b);
-    Eigen::Map<Rows>(data_->ximat + 9 * b) = link.R * principal_[static_cast<std::size_t>(b)];
+    Eigen::Map<Rows>(data_->ximat + 9 * b) = link.R * inertia_axes_[static_cast<std::size_t>(b)];
   }
   for (int j = 1; j < m.njnt; ++j) {
     const Axis& axis = dof_axis(m.jnt_dofadr[j]);
@@ -138,7 +138,7 @@ void Kinematics::inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq
 }
 
 double Kinematics::self_distance(double limit, std::array<int, 2>* geoms) const {
-  place();
+  update_mujoco();
   const mjModel& m = robot_->mj();
   double least = limit;
   for (int k = 0; k < m.npair; ++k) {

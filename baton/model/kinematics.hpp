@@ -1,19 +1,21 @@
-/// Kinematics and dynamics of a robot at one configuration: a scratch pad, one for each thread.
+/// Kinematics and dynamics of a robot at one configuration. Not thread-safe: use one object per thread.
 #pragma once
 
 #include "baton/model/robot_model.hpp"
 
 namespace baton {
 
-/// Rows are stored one after the other, so that a task's rows can be written in place.
+/// Row-major, so that the rows of a task can be written in place.
 using JacobianRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// "World" means the frame in which `q` gives the root pose.
 class Kinematics {
  public:
   /// The model must outlive the object.
   explicit Kinematics(const RobotModel& robot);
 
-  /// Places all links; everything below speaks of this configuration. `q`: nq, finite, quaternion of any norm.
+  /// Sets the configuration of everything below.
+  /// @param q configuration (nq), finite, its quaternion of any norm
   void set(const VecX& q);
 
   [[nodiscard]] const RobotModel& robot() const { return *robot_; }
@@ -24,58 +26,59 @@ class Kinematics {
   [[nodiscard]] Vec3 shoulder(Side side) const { return body(robot_->shoulder_body(side)).p; }
   [[nodiscard]] const Pose& body(int id) const { return link_[static_cast<std::size_t>(id)]; }
 
-  /// What a link turns about, in the world.
+  /// Rotation axis of a degree of freedom, in the world.
   struct Axis {
     Vec3 direction;  ///< unit
     Vec3 point;      ///< on the axis [m]
   };
-  /// Of a degree of freedom but the first three, which shift the root.
+  /// Axis of a rotational degree of freedom, dof ≥ 3; the first three translate the root.
   [[nodiscard]] const Axis& dof_axis(int dof) const { return axis_[static_cast<std::size_t>(dof)]; }
 
-  /// Jacobian of the COM, written to `rows` (3 × nv). docs/theory.md §5.
+  /// Jacobian of the COM, written to `rows` (3 × nv; docs/theory.md §5).
   void com_jacobian(Eigen::Ref<JacobianRows> rows) const;
-  /// Jacobian of a point [m, world] fixed to a body: velocity of the point (3 × nv).
+  /// Jacobian of a point [m, world] fixed to a body (3 × nv).
   void point_jacobian(int body, const Vec3& point, Eigen::Ref<JacobianRows> rows) const;
-  /// Jacobian of a body's angular velocity in the world (3 × nv).
+  /// Jacobian of a body's angular velocity (3 × nv).
   void rotation_jacobian(int body, Eigen::Ref<JacobianRows> rows) const;
 
-  /// Both of a sole: velocity of its centre, angular velocity (6 × nv).
+  /// Jacobian of a sole: velocity of its centre, then angular velocity (6 × nv).
   void sole_jacobian(Side side, Eigen::Ref<JacobianRows> rows) const;
 
-  /// Generalised forces that the links need for (q, q̇, q̈) with nothing touching them: gravity, inertia and
-  /// the motors' reflected inertia; without damping. Also sets the configuration.
-  /// [N, N·m], nv: force on the trunk in the world 3, moment about its origin in the trunk 3, joints.
+  /// Inverse dynamics without contact: gravity, inertia and reflected motor inertia, no damping. Sets the
+  /// configuration.
+  /// @param force receives the generalised forces (nv): force on the root in the world frame 3 [N], moment about its
+  /// origin in its own frame 3 [N·m], joint torques [N·m]
   void inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force);
 
-  /// Least distance of the pairs of geoms that the model names for self-collision [m], as far as it is less
-  /// than `limit`; `limit` otherwise. `geoms` receives the nearest pair.
+  /// Least distance over the model's self-collision pairs, at most `limit` [m].
+  /// @param geoms receives the closest pair, if it is closer than `limit`
   [[nodiscard]] double self_distance(double limit, std::array<int, 2>* geoms = nullptr) const;
 
  private:
-  /// Sums up what the links and all that hang on them weigh, once it is asked for.
-  void weigh() const;
-  /// Sets MuJoCo's data to the configuration, once they are needed: that takes longer than all of the above.
-  void place() const;
+  /// Computes the mass moments of the subtrees, on first use after `set`.
+  void sum_subtrees() const;
+  /// Runs MuJoCo's kinematics, on first use after `set`: it takes longer than ours.
+  void update_mujoco() const;
 
   const RobotModel* robot_;
   DataPtr data_;
   VecX q_;
-  std::vector<std::optional<Mat3>> turned_;  ///< of each link in its parent, all joints at zero; none: not turned
-  std::vector<Mat3> principal_;              ///< axes of inertia of each link in it
+  std::vector<std::optional<Mat3>> fixed_rotation_;  ///< attitude in the parent at zero joint angles; none: identity
+  std::vector<Mat3> inertia_axes_;                   ///< attitude of each link's principal axes of inertia
   std::vector<Pose> link_;
   std::vector<Axis> axis_;             ///< by degree of freedom
-  mutable std::vector<Vec3> subtree_;  ///< mass × COM of each link with all that hang on it [kg m]
-  mutable bool weighed_ = false;
-  mutable bool placed_ = false;
+  mutable std::vector<Vec3> subtree_;  ///< mass × COM of each link and its descendants [kg m]
+  mutable bool subtrees_valid_ = false;
+  mutable bool mujoco_valid_ = false;
 };
 
-/// Puts the root at a pose; `q`: nq.
+/// Sets the root pose in `q` (nq).
 void set_root(VecX& q, const Pose& root);
 
-/// q ⊕ dq·dt: integrates a velocity (nv) over a time.
+/// q ← q ⊕ dq·dt, for a velocity dq (nv).
 void integrate(const RobotModel& robot, VecX& q, const VecX& dq, double dt);
 
-/// (b ⊖ a)/dt: the velocity that leads from a to b.
+/// dq ← (b ⊖ a)/dt: the velocity (nv) that leads from a to b in `dt`.
 void difference(const RobotModel& robot, VecX& dq, double dt, const VecX& a, const VecX& b);
 
 }  // namespace baton

@@ -5,9 +5,9 @@
 namespace baton {
 namespace {
 
-constexpr double kUnevenZmp = 2.0;         ///< factor on the margin of the planned ZMP, on uneven ground
-constexpr double kPushAcceleration = 1.5;  ///< factor on the acceleration of joints, of a step that catches the robot
-constexpr double kPushSwing = 0.7;         ///< factor on the height and the shortest time of its swing
+constexpr double kUnevenZmp = 2.0;         ///< factor on the planned ZMP's margin on uneven ground
+constexpr double kPushAcceleration = 1.5;  ///< factor on joint acceleration in a capture step
+constexpr double kPushSwing = 0.7;         ///< factor on swing height and shortest swing time in a capture step
 
 }  // namespace
 

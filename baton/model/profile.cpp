@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Reads keys of one profile; every complaint names file, key, value and what is wanted.
+/// Reads the keys of a profile. Errors name file, key, value and what is expected.
 class Reader {
  public:
   Reader(const toml::table& table, std::string file) : table_(table), file_(std::move(file)) {}
@@ -70,7 +70,7 @@ class Reader {
     return table_.at_path(key);
   }
 
-  /// To be called last.
+  /// Call it after all keys were read.
   void complain_of_unknown_keys() const { complain_of_unknown_keys(table_, ""); }
 
   [[noreturn]] void complain(const std::string& key, const std::string& wanted) const {
@@ -118,7 +118,7 @@ class Reader {
 
   const toml::table& table_;
   std::string file_;
-  mutable std::set<std::string> asked_;  ///< keys that have been looked up
+  mutable std::set<std::string> asked_;  ///< keys looked up so far
 };
 
 std::array<std::string, 2> sided(const Reader& read, const std::string& part) {

@@ -16,11 +16,11 @@ struct Range {
   double hi = 0.0;
 };
 
-/// What the servos of the joints take.
+/// What the joint servos are commanded with.
 enum class Drive {
-  torque,  ///< angle, speed, and a feed-forward torque
-  pd,  ///< angle and speed: torque = kp (q − q_m) + kd (q̇ − q̇_m), so that a torque can be folded into the angle
-  stiff,  ///< the angle alone, which they hold as firmly as they can
+  torque,  ///< angle, speed and feed-forward torque
+  pd,  ///< angle and speed; torque = kp (q − q_m) + kd (q̇ − q̇_m), so feed-forward torque is added to q as τ/kp
+  stiff,  ///< angle only, held with high gain
 };
 
 [[nodiscard]] constexpr std::string_view to_string(Drive drive) {
@@ -28,10 +28,10 @@ enum class Drive {
   return names[static_cast<std::size_t>(drive)];
 }
 
-/// @throws InputError no such drive; the message names `owner`
+/// @throws InputError no such drive; the message has `owner`
 [[nodiscard]] Drive drive_named(const std::string& name, const std::string& owner);
 
-/// Values are SI and radians; every one comes from the robot's `profile.toml`.
+/// Contents of a robot's `profile.toml`, in SI units and radians.
 struct Profile {
   std::string name;
   std::filesystem::path model;  ///< MJCF or URDF, absolute
@@ -39,21 +39,21 @@ struct Profile {
   /// Names in the model.
   struct Parts {
     std::string trunk;                    ///< body
-    std::array<std::string, 2> foot;      ///< site on the sole plane, x forward, z up; its body is the foot
+    std::array<std::string, 2> foot;      ///< site on the sole plane, x forward, z up, attached to the foot body
     std::array<std::string, 2> hand;      ///< site
     std::array<std::string, 2> shoulder;  ///< body whose origin is the shoulder
   } parts;
 
-  std::string imu;  ///< site of the inertial sensor; empty: none
+  std::string imu;  ///< IMU site; empty: none
 
   struct Stance {
-    double width = 0.0;       ///< lateral distance of the sole centres [m]
+    double width = 0.0;       ///< lateral distance between the sole centres [m]
     double com_height = 0.0;  ///< nominal, above the soles [m]
   } stance;
 
-  std::map<std::string, double> home;  ///< arms at home: joint name → angle [rad]
+  std::map<std::string, double> home;  ///< home pose of the arms: joint name → angle [rad]
 
-  /// Displacement of the guided part a segment at full stick.
+  /// Displacement of the guided part in one segment at full stick.
   struct Reach {
     double foot = 0.0;      ///< [m]
     double trunk = 0.0;     ///< [m]
@@ -63,26 +63,26 @@ struct Profile {
 
   /// Where goals may lie.
   struct Region {
-    Range foot_x;                    ///< of a foothold in the stance sole's frame [m]
-    double stride = 0.0;             ///< largest |x| that the robot itself chooses while it can do with it [m]
-    Range foot_lateral;              ///< the same, away from the stance foot [m]
+    Range foot_x;                    ///< foothold in the stance sole's frame, forward [m]
+    double stride = 0.0;             ///< largest |x| of steps that the robot chooses, if one of those will do [m]
+    Range foot_lateral;              ///< foothold in the stance sole's frame, away from it sideways [m]
     double foot_yaw = 0.0;           ///< largest |yaw| between the soles [rad]
-    double sole_gap = 0.0;           ///< least gap of the two soles' outlines [m]
+    double sole_gap = 0.0;           ///< least gap between the soles' outlines [m]
     Range com_height;                ///< above the mean height of the supporting soles [m]
     double trunk_inclination = 0.0;  ///< largest tilt of the trunk from upright [rad]
-    double trunk_yaw = 0.0;          ///< difference of trunk and feet that makes a step due [rad]
-    double hand_distance = 0.0;      ///< largest comfortable distance of hand and shoulder [m]
+    double trunk_yaw = 0.0;          ///< yaw of the trunk relative to the feet that triggers a step [rad]
+    double hand_distance = 0.0;      ///< largest comfortable distance from shoulder to hand [m]
   } region;
 
   struct Swing {
-    double clearance = 0.0;  ///< apex above the higher end of a step [m]
-    double lift = 0.0;       ///< height of a lifted foot at full throttle [m]
-    double time = 0.0;       ///< shortest time that a foot is in the air on a step [s]
+    double clearance = 0.0;  ///< apex above the higher foothold [m]
+    double lift = 0.0;       ///< foot height at full throttle [m]
+    double time = 0.0;       ///< shortest swing of a step [s]
   } swing;
 
-  /// Flat enough to stand on.
+  /// Ground that counts as flat enough to stand on.
   struct Ground {
-    double flatness = 0.0;  ///< largest distance of a point under the sole from a plane [m]
+    double flatness = 0.0;  ///< largest deviation from a plane under the sole [m]
     double tilt = 0.0;      ///< largest tilt of that plane [rad]
   } ground;
 
@@ -93,34 +93,34 @@ struct Profile {
     double max = 0.0;
   } duration;
 
-  /// Shares of the duration, by contact phase, and weights of the VRP knots at their borders.
+  /// Shares of the duration by contact phase, and weights of the VRP knots at the phase borders.
   struct Phases {
     std::array<double, 3> step{};   ///< double, single, double support
     std::array<double, 2> lift{};   ///< double, single
     std::array<double, 2> lower{};  ///< single, double
-    std::array<double, 3> flow{};   ///< of a step that begins on the way: double, single, double
+    std::array<double, 3> flow{};   ///< step from a moving state: double, single, double
     std::array<double, 4> weights{};
   } phases;
 
   struct Margin {
-    double zmp_plan = 0.0;        ///< of the point mass's ZMP, inside the support polygon [m]
-    double zmp_verify = 0.0;      ///< of the whole body's ZMP [m]
-    double zmp_feedback = 0.0;    ///< of the ZMP that the stabiliser may ask for [m]
-    double stand_on = 0.0;        ///< of a resting COM [m]
-    double joint = 0.0;           ///< from position limits [rad]
+    double zmp_plan = 0.0;        ///< of the planned point-mass ZMP inside the support polygon [m]
+    double zmp_verify = 0.0;      ///< of the whole-body ZMP, in verification [m]
+    double zmp_feedback = 0.0;    ///< of the ZMP that the stabiliser commands [m]
+    double stand_on = 0.0;        ///< of the COM at rest [m]
+    double joint = 0.0;           ///< distance from position limits [rad]
     double speed = 0.0;           ///< largest share of the no-load speed
     double torque = 0.0;          ///< largest share of the stall torque
-    double acceleration = 0.0;    ///< largest of a joint [rad/s²]
-    double friction = 0.0;        ///< largest tangential over normal force
-    double self_collision = 0.0;  ///< least distance of two links [m]
-    double edge = 0.0;            ///< least distance of a sole from an edge of the ground [m]
+    double acceleration = 0.0;    ///< largest joint acceleration [rad/s²]
+    double friction = 0.0;        ///< largest ratio of tangential to normal force
+    double self_collision = 0.0;  ///< least distance between links [m]
+    double edge = 0.0;            ///< least distance of a foothold from terrain edges [m]
   } margin;
 
-  /// Tolerated residual of inverse kinematics: of feet and COM, and of the guided hand at the end.
+  /// Tolerated residuals of inverse kinematics.
   struct Ik {
-    double position = 0.0;  ///< [m]
-    double rotation = 0.0;  ///< [rad]
-    double hand = 0.0;      ///< [m]
+    double position = 0.0;  ///< of soles and COM [m]
+    double rotation = 0.0;  ///< of soles [rad]
+    double hand = 0.0;      ///< of the guided hand, at the end of a motion [m]
   } ik;
 
   struct Tick {
@@ -129,7 +129,7 @@ struct Profile {
   } tick;
 
   struct Stabiliser {
-    double k_dcm = 0.0;  ///< gain on the DCM error, k_p of docs/theory.md §6 [1/s]
+    double k_dcm = 0.0;  ///< DCM feedback gain, k_p in docs/theory.md §6 [1/s]
   } stabiliser;
 
   Drive drive = Drive::pd;
@@ -142,8 +142,7 @@ struct Profile {
   std::map<std::string, Gains> gains;  ///< by joint name
 
   /// Reads and validates a profile.
-  /// @throws InputError file missing or not TOML; key missing, of the wrong type, not finite or out of its
-  /// sensible range
+  /// @throws InputError file missing or not TOML; key missing, unknown, of the wrong type, not finite or out of range
   [[nodiscard]] static Profile load(const std::filesystem::path& file);
 };
 

@@ -11,7 +11,7 @@
 namespace baton {
 namespace {
 
-/// Points that span a geom's surface, in its own frame; enough for the lowest ones of a sole.
+/// Points spanning a geom's surface, in its own frame: enough to find the lowest ones of a sole.
 std::vector<Vec3> surface_points(const mjModel& m, int geom) {
   const double* size = m.geom_size + 3 * geom;
   std::vector<Vec3> points;
@@ -84,7 +84,7 @@ SpecPtr RobotModel::spec() const {
 RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
   const std::string owner = fmt::format("model {}", profile_.model.string());
   const SpecPtr text = spec();
-  text->compiler.discardvisual = 1;  // here nothing is drawn, and kinematics moves every geom
+  text->compiler.discardvisual = 1;  // nothing is drawn here, and MuJoCo's kinematics places every geom
   model_ = compile_model(*text, owner);
   const mjModel& m = *model_;
   for (int i = 0; i < m.nbody; ++i)

@@ -1,5 +1,4 @@
-/// A humanoid as the other rooms know it: body parts, soles, joints, motors and limits, read once from a
-/// model file and its profile.
+/// The robot model: body parts, soles, joints and motors, read once from a model file and its profile.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +13,14 @@
 
 namespace baton {
 
-/// A geared DC motor at its joint: the torque left at speed ω is stall − damping·ω.
+/// A geared DC motor, seen from the joint: the torque available at speed ω is stall − damping·ω.
 struct Motor {
   double stall = 0.0;    ///< [N·m]
   double damping = 0.0;  ///< back-EMF and gear friction, as the model's joint damping [N·m·s/rad]
   double no_load = 0.0;  ///< stall / damping [rad/s]
 
-  /// Share of the stall torque in use when the links ask for `rigid` [N·m] at `speed` [rad/s]. The speed
-  /// counts as a burden in both directions, so that the way back fits too (docs/theory.md §8).
+  /// Share of the stall torque used for the rigid-body torque `rigid` [N·m] at `speed` [rad/s]. Damping counts as a
+  /// load in both directions, so that a motion's reverse passes too (docs/theory.md §8).
   [[nodiscard]] double load(double rigid, double speed) const {
     return (std::abs(rigid) + damping * std::abs(speed)) / stall;
   }
@@ -31,23 +30,23 @@ struct Motor {
 struct Joint {
   std::string name;
   Range position;      ///< [rad]
-  double speed = 0.0;  ///< largest |q̇|: the profile's share of the no-load speed [rad/s]
+  double speed = 0.0;  ///< limit of |q̇|: the profile's share of the no-load speed [rad/s]
   Motor motor;
   Profile::Gains gains;
-  double home = 0.0;  ///< [rad], of arm joints
+  double home = 0.0;  ///< home angle of an arm joint [rad]
 };
 
-/// Immutable. Configurations are q = (position 3, quaternion wxyz 4, joints n), velocities
-/// q̇ = (linear in the world 3, angular in the trunk 3, joints n), as in MuJoCo.
-/// Where the profile of a robot is that is given by its file, or by the name of a folder of `robots/`.
+/// The profile of a robot that is given by that file, or by the name of a folder in `robots/`.
 [[nodiscard]] std::filesystem::path profile_file(const std::string& name_or_file);
 
+/// Immutable. Configurations (nq) are q = (root position 3, root quaternion wxyz 4, joints n); velocities (nv) are
+/// q̇ = (root linear in the world 3, root angular in the root frame 3, joints n), as in MuJoCo.
 class RobotModel {
  public:
-  /// @throws InputError the profile or the model cannot be used; the message says why
+  /// @throws InputError profile or model unusable; the message says why
   explicit RobotModel(Profile profile);
 
-  /// Loads a profile by file, or by the name of a folder of `robots/`.
+  /// Loads a robot by the file of its profile, or by the name of a folder in `robots/`.
   [[nodiscard]] static RobotModel load(const std::string& name_or_file);
 
   [[nodiscard]] const Profile& profile() const { return profile_; }
@@ -56,32 +55,32 @@ class RobotModel {
   [[nodiscard]] int nv() const { return model_->nv; }
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
   [[nodiscard]] double mass() const { return mass_; }
-  /// Natural frequency of the pendulum at the nominal COM height [rad/s].
+  /// Natural frequency of the linear inverted pendulum at the nominal COM height [rad/s].
   [[nodiscard]] double omega() const { return omega_; }
 
-  /// The inertial sensor in the frame of the body with the free joint, if it is fixed to that.
+  /// IMU frame in the root (the body with the free joint). None if the profile names no IMU there.
   [[nodiscard]] const std::optional<Pose>& imu_in_root() const { return imu_; }
 
   [[nodiscard]] int trunk_body() const { return trunk_body_; }
   [[nodiscard]] int foot_body(Side side) const { return foot_[side].body; }
   [[nodiscard]] int hand_body(Side side) const { return hand_[side].body; }
   [[nodiscard]] int shoulder_body(Side side) const { return shoulder_body_[side]; }
-  /// Sole frame (origin: centre of the contact polygon, z: normal) in the foot's body.
+  /// Sole frame in the foot body: origin at the centre of the contact polygon, x forward, z normal.
   [[nodiscard]] const Pose& sole_in_foot(Side side) const { return foot_[side].frame; }
   [[nodiscard]] const Pose& hand_in_body(Side side) const { return hand_[side].frame; }
-  /// Outline of the sole in its frame [m].
+  /// Outline of the sole in the sole frame [m].
   [[nodiscard]] const ConvexPolygon& sole(Side side) const { return sole_[side]; }
   [[nodiscard]] const BySide<std::vector<int>>& sole_geoms() const { return sole_geoms_; }
 
-  /// Joints (indices into `joints()`) that move one hand alone, and those from the root to a foot.
+  /// Joints that move this hand but not the other, and joints from the root to this foot: indices into `joints()`.
   [[nodiscard]] const std::vector<int>& arm(Side side) const { return arm_[side]; }
   [[nodiscard]] const std::vector<int>& leg(Side side) const { return leg_[side]; }
-  /// Degrees of freedom that move a body: 1 where the chain from the root holds the dof.
+  /// Degrees of freedom that move a body: indices of those on the chain from the root to it.
   [[nodiscard]] const std::vector<int>& dofs_to(int body) const { return dofs_to_[static_cast<std::size_t>(body)]; }
-  /// An arm of fewer than six joints follows the hand's position only.
+  /// Whether the hand can be given an attitude: its arm has at least six joints.
   [[nodiscard]] bool hand_has_attitude(Side side) const { return arm_[side].size() >= 6; }
 
-  /// The model's text (MJCF), to be composed with a world.
+  /// The model's specification, to be combined with a world.
   [[nodiscard]] SpecPtr spec() const;
 
  private:
@@ -111,7 +110,7 @@ class RobotModel {
   std::vector<std::vector<int>> dofs_to_;
 };
 
-/// Folder that holds `robots/`, `worlds/` and the page: $BATON_SHARE, else the one compiled in.
+/// Folder of `robots/`, `worlds/` and the web page: $BATON_SHARE, else the one compiled in.
 [[nodiscard]] std::filesystem::path share_dir();
 
 }  // namespace baton

@@ -20,7 +20,7 @@ inline constexpr std::array<Side, 2> kSides{Side::left, Side::right};
   return side == Side::left ? 1.0 : -1.0;
 }
 
-/// One value for each side.
+/// A pair of values, left and right.
 template <typename T>
 struct BySide {
   T left{};
@@ -29,7 +29,7 @@ struct BySide {
   [[nodiscard]] constexpr const T& operator[](Side side) const { return side == Side::left ? left : right; }
 };
 
-/// Mean yaw of two soles: the heading frame's [rad].
+/// Mean yaw of the soles, which is the yaw of the heading frame [rad].
 [[nodiscard]] inline double mean_yaw(const BySide<Pose>& sole) {
   return mean_yaw(yaw_of(sole.left.R), yaw_of(sole.right.R));
 }

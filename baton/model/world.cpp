@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFarAway = 1e3;  ///< half size of an infinite plane [m]
 
-/// Points of the outline's edges and inside it, at most `spacing` apart.
+/// Points on and inside the outline, at most `spacing` [m] apart.
 std::vector<Vec2> cover(const ConvexPolygon& outline, double spacing) {
   std::vector<Vec2> points;
   const Vec2 centre = outline.centre();
@@ -66,7 +66,7 @@ World::World(const std::filesystem::path& file) : file_(file), name_(file.stem()
     } else if (m.geom_type[g] != mjGEOM_BOX) {
       throw InputError(fmt::format("{}: geom '{}' may be stood on but is neither a plane nor a box", owner, name));
     }
-    // The side of the box that looks up.
+    // The side of the box that faces up.
     int up = 2;
     for (int axis = 0; axis < 3; ++axis) {
       if (m.geom_type[g] == mjGEOM_BOX && std::abs(pose.R(2, axis)) > std::abs(pose.R(2, up)) + 1e-9) up = axis;
@@ -109,7 +109,7 @@ std::optional<GroundPoint> World::ground(const Vec2& at) const {
     if (!highest || height > highest->height) highest = GroundPoint{height, face.normal, edge};
   }
   if (!highest) return highest;
-  // Where a higher face begins, this one ends as well.
+  // The foot of a higher face is an edge, too.
   for (const GroundFace& face : faces_) {
     const double outside = face.outline.margin(at);
     if (outside >= 0.0) continue;
@@ -128,7 +128,7 @@ std::optional<Vec2> World::nearest_of_height(const Vec2& at, double height, doub
     const double there = face.height(place);
     if (std::abs(there - height) > tolerance) continue;
     const std::optional<GroundPoint> highest = ground(place);
-    if (highest && highest->height > there + tolerance) continue;  // covered
+    if (highest && highest->height > there + tolerance) continue;  // hidden below a higher face
     if (!nearest || (place - at).squaredNorm() < (*nearest - at).squaredNorm()) nearest = place;
   }
   return nearest;
@@ -163,7 +163,7 @@ Foothold World::foothold(const ConvexPolygon& outline, const Profile::Ground& fl
     }
     foothold.deviation = std::max(foothold.deviation, std::abs(here->height - plane.height(point)));
   }
-  for (const GroundFace& face : faces_) {  // corners that the sampling missed
+  for (const GroundFace& face : faces_) {  // vertices that the sampling missed
     if (separation(wide, face.outline) > 0.0) continue;
     const ConvexPolygon shared = wide.clipped(face.outline);
     for (const Vec2& vertex : shared.vertices()) {
@@ -178,9 +178,9 @@ std::string World::compose(const RobotModel& robot, double timestep) const {
   const auto lock = lock_compiler();
   const SpecPtr world = parse_model(file_);
   const SpecPtr body = robot.spec();
-  // The robot's global default becomes a class of its own, which needs a name.
+  // The robot's global defaults become a class, which needs a name.
   mjs_setName(mjs_getSpecDefault(body.get())->element, "robot");
-  body->option = world->option;  // the options below count; two that differ would be a conflict
+  body->option = world->option;  // differing options would be a conflict; those that count are set below
   mjsElement* frame = mjs_addFrame(mjs_findBody(world.get(), "world"), nullptr)->element;
   mjsBody* root = mjs_findBody(body.get(), name_of(robot.mj(), mjOBJ_BODY, 1).c_str());
   if (mjs_attach(frame, root->element, "", "") == nullptr) {

@@ -1,5 +1,5 @@
-/// The world: a model file in which geoms named `ground…` may be stood on, all other colliding geoms are
-/// obstacles, and sites mark places; ground queries; and its composition with a robot for simulation.
+/// The world: a model file whose geoms named `ground…` are terrain to stand on, whose other colliding geoms are
+/// obstacles, and whose sites mark places. Answers terrain queries, and is combined with a robot for simulation.
 #pragma once
 
 #include <filesystem>
@@ -12,41 +12,43 @@
 
 namespace baton {
 
-/// A flat face that may be stood on: the upper side of a plane or of a box.
+/// A flat face to stand on: a plane, or the upper side of a box.
 struct GroundFace {
-  ConvexPolygon outline;        ///< seen from above [m]
-  Vec3 point = Vec3::Zero();    ///< on the face
-  Vec3 normal = Vec3::UnitZ();  ///< unit, upward
+  ConvexPolygon outline;        ///< projected onto the horizontal plane [m]
+  Vec3 point = Vec3::Zero();    ///< a point of the face [m]
+  Vec3 normal = Vec3::UnitZ();  ///< upward unit normal
 
+  /// Height of the face's plane at a place [m].
   [[nodiscard]] double height(const Vec2& at) const {
     return point.z() - (normal.x() * (at.x() - point.x()) + normal.y() * (at.y() - point.y())) / normal.z();
   }
 };
 
-/// The ground at one place.
+/// The terrain at a place.
 struct GroundPoint {
   double height = 0.0;  ///< [m]
   Vec3 normal = Vec3::UnitZ();
-  double edge = 0.0;  ///< distance to the nearest edge of the face [m]
+  double edge = 0.0;  ///< distance to the nearest terrain edge [m]
 };
 
-/// The ground under a sole.
+/// The terrain under a sole.
 struct Foothold {
-  bool flat = false;    ///< wholly on known ground, flat enough, away from edges
-  double height = 0.0;  ///< at the sole's centre [m]
+  bool flat = false;    ///< entirely on known terrain, flat enough, away from edges
+  double height = 0.0;  ///< at the centre of the sole [m]
   Vec3 normal = Vec3::UnitZ();
-  double deviation = 0.0;  ///< largest distance of a point under the sole from the plane at its centre [m]
+  double deviation = 0.0;  ///< largest height difference from the plane at the centre [m]
 };
 
 class World {
  public:
-  /// @throws InputError no such file, not a model, no site `start`, or a ground geom that is neither plane nor box
+  /// @throws InputError no such file, not a model, no ground, no site `start`, or a ground geom that is neither plane
+  /// nor box or has no upper side
   explicit World(const std::filesystem::path& file);
 
-  /// Loads a world by file, or by its name in `worlds/`.
+  /// Loads a world by its file, or by its name in `worlds/`.
   [[nodiscard]] static World load(const std::string& name_or_file);
 
-  /// Whether a geom of this name may be stood on.
+  /// Whether a geom of this name is terrain to stand on.
   [[nodiscard]] static bool is_ground(const std::string& geom) { return geom.starts_with("ground"); }
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -58,21 +60,21 @@ class World {
   /// @throws InputError no such site
   [[nodiscard]] Pose site(const std::string& name) const;
 
-  /// The highest ground at a place; nothing where there is none.
+  /// The highest terrain at a place; empty if there is none.
   [[nodiscard]] std::optional<GroundPoint> ground(const Vec2& at) const;
 
-  /// Of each face's nearest place, where that is the ground and so high, within `tolerance` [m], the nearest; nothing
-  /// where none is.
+  /// The nearest place whose terrain has this height within `tolerance` [m]. One candidate for each face: the point
+  /// nearest to `at`. Empty if none fits.
   [[nodiscard]] std::optional<Vec2> nearest_of_height(const Vec2& at, double height, double tolerance) const;
 
-  /// Highest ground anywhere under an outline [m]; −∞ where there is none.
+  /// Highest terrain anywhere under an outline [m]; −∞ if there is none.
   [[nodiscard]] double highest_under(const ConvexPolygon& outline) const;
 
-  /// Whether a sole with this outline, widened by `edge` [m], rests on ground flat enough.
+  /// The terrain under a sole with this outline, widened by `edge` [m].
   [[nodiscard]] Foothold foothold(const ConvexPolygon& outline, const Profile::Ground& flat, double edge) const;
 
-  /// World and robot in one model, as MJCF text: what simulation steps, collision checks use and
-  /// `--save-model` writes. Physics options (time step, integrator, cone, no automatic reset) are set here.
+  /// World and robot as one model (MJCF text), for simulation, collision checks and `--save-model`. Sets the physics
+  /// options: time step [s], integrator, friction cone, no automatic reset.
   [[nodiscard]] std::string compose(const RobotModel& robot, double timestep) const;
 
  private:

@@ -1,4 +1,4 @@
-/// A goal: one consistent set of subgoals for all navigation points, to be reached at rest.
+/// A goal: consistent target poses of all body parts, to be reached at rest.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@ namespace baton {
 
 /// The kinds of segment (docs/theory.md §3).
 enum class SegmentKind {
-  shift,  ///< both feet stay: the COM, the trunk or a hand moves
-  step,   ///< a foot leaves the ground and lands
-  lift,   ///< a foot leaves the ground and stays up
-  air,    ///< a lifted foot moves
-  lower,  ///< a lifted foot lands
-  reach,  ///< a hand is guided, both feet stay
+  shift,  ///< both feet stay; COM, trunk or arms move
+  step,   ///< a foot takes off and lands
+  lift,   ///< a foot takes off and stays in the air
+  air,    ///< a foot moves in the air
+  lower,  ///< a foot in the air lands
+  reach,  ///< both feet stay; a hand is guided
 };
 
 inline constexpr std::size_t kSegmentKinds = static_cast<std::size_t>(SegmentKind::reach) + 1;
@@ -24,20 +24,21 @@ inline constexpr std::size_t kSegmentKinds = static_cast<std::size_t>(SegmentKin
   return names[static_cast<std::size_t>(kind)];
 }
 
+/// Poses are in the planning frame.
 struct Goal {
   SegmentKind kind = SegmentKind::shift;
   Part guided = Part::trunk;
-  std::optional<Side> swing;  ///< the foot that moves, if one does
-  bool returns = false;       ///< it lands where it stood last
-  double unsure = 0.0;        ///< how far off the place of the robot may be: edges are kept so much farther away [m]
-  Pose back{};                ///< the part of it that makes up for soles that slid, a move of the planning frame
+  std::optional<Side> swing;       ///< the foot that moves, if any
+  bool returns = false;            ///< it lands on its previous foothold
+  double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
+  Pose drift_correction{};         ///< correction of drift from slipping soles that it applies, a displacement
   BySide<Pose> sole;
-  BySide<bool> contact{true, true};
-  Vec3 com = Vec3::Zero();
+  BySide<bool> contact{true, true};  ///< which soles stand at the end
+  Vec3 com = Vec3::Zero();           ///< [m]
   Mat3 trunk = Mat3::Identity();
-  /// The guided hand's pose in the planning frame; other arms follow `arms`.
+  /// Pose of the guided hand. An arm without one follows `arms`.
   BySide<std::optional<Pose>> hand;
-  /// Angles of all joints of the model; only those of arms whose hand has no pose count [rad].
+  /// Joint angles (n); only those of arms whose hand has no pose are used [rad].
   VecX arms;
 };
 

@@ -1,4 +1,4 @@
-/// A motion: contact phases with a centre-of-mass path, and the joint paths that were verified.
+/// A motion: contact phases, COM path, and the whole-body state at every tick.
 #pragma once
 
 #include <memory>
@@ -13,65 +13,64 @@
 
 namespace baton {
 
-/// A stretch of a motion during which the same soles stand.
+/// A phase with constant contacts.
 struct ContactPhase {
   int ticks = 0;
   BySide<bool> contact{true, true};
 };
 
-/// What the robot is told at one tick: where its joints shall be when the tick ends. Angles before any folding.
+/// Joint command for the end of a tick. No torque is folded into the angles yet.
 struct JointTarget {
-  VecX q;                            ///< joint angles (n) [rad]
+  VecX q;                            ///< planned joint angles (n) [rad]
   VecX dq;                           ///< [rad/s]
   VecX ddq;                          ///< [rad/s²]
-  VecX tau;                          ///< feed-forward torque at the joint, motor damping included (n) [N·m]
-  BySide<bool> contact{true, true};  ///< which soles are meant to stand
-  VecX shift;  ///< what balance adds to the angles, on ground that is not as planned; empty: nothing [rad]
+  VecX tau;                          ///< feed-forward joint torque, including motor damping (n) [N·m]
+  BySide<bool> contact{true, true};  ///< planned contacts
+  VecX shift;  ///< added to `q` by balance control, to fit the actual ground; empty: nothing (n) [rad]
 };
 
-/// Planned state at one tick: what is interpolated, followed and shown.
+/// Planned state at one tick.
 struct MotionSample {
-  VecX q;      ///< configuration (nq)
-  VecX dq;     ///< (nv)
-  VecX ddq;    ///< (nv)
-  VecX force;  ///< generalised forces of inverse dynamics without contact (nv)
-  Vec3 com = Vec3::Zero();
-  Vec3 dcom = Vec3::Zero();
-  Vec2 zmp = Vec2::Zero();  ///< of the whole body, on the plane of the lower supporting sole [m]
-  double zmp_height = 0.0;  ///< that plane's height [m]
-  /// Where the ZMP may be commanded, on that plane: the support polygon less the margin for feedback. Ticks share it.
+  VecX q;                    ///< configuration (nq)
+  VecX dq;                   ///< (nv)
+  VecX ddq;                  ///< (nv)
+  VecX force;                ///< generalised forces by inverse dynamics without contact (nv)
+  Vec3 com = Vec3::Zero();   ///< [m]
+  Vec3 dcom = Vec3::Zero();  ///< [m/s]
+  Vec2 zmp = Vec2::Zero();   ///< whole-body ZMP on the plane of the lower sole in contact [m]
+  double zmp_height = 0.0;   ///< height of that plane [m]
+  /// Region of the commanded ZMP on that plane: the support polygon inset by `zmp_feedback`. Shared between ticks.
   std::shared_ptr<const ConvexPolygon> zmp_region;
   BySide<Pose> sole;
   BySide<bool> contact{true, true};
 };
 
-/// The way of a swing foot.
+/// Swing trajectory of a foot.
 struct SwingArc {
-  Pose lift_off;        ///< where it left the ground, or was in the air at rest
-  double apex_t = 0.0;  ///< when it is highest, from the start of the motion [s]
-  double apex = 0.0;    ///< how high that is [m]
+  Pose lift_off;        ///< pose at lift-off, or where it was held in the air at rest
+  double apex_t = 0.0;  ///< time of the apex, from the start of the motion [s]
+  double apex = 0.0;    ///< height of the apex [m]
 };
 
-/// A whole motion from the posture it was planned at to rest: a candidate, until the verifier has made a
-/// `VerifiedMotion` of it.
+/// A complete motion from a start posture to rest. A candidate, until the verifier makes it a `VerifiedMotion`.
 struct Motion {
-  double period = 0.0;  ///< of a tick [s]
+  double period = 0.0;  ///< tick length [s]
   Goal goal;
-  VecX dq0;                                 ///< velocity with which the first sample is reached (nv)
-  BySide<bool> contact_before{true, true};  ///< which soles stood until then
+  VecX dq0;                                 ///< velocity on arrival at the first sample (nv)
+  BySide<bool> contact_before{true, true};  ///< contacts before the first sample
   std::vector<ContactPhase> phases;
   ComPath com;
-  std::vector<MotionSample> samples;  ///< one a tick, both ends included
-  Posture end;                        ///< at rest
-  MotionSample rest;                  ///< the sample of every tick after the end
+  std::vector<MotionSample> samples;  ///< one for each tick, including both ends
+  Posture end;                        ///< final posture, at rest
+  MotionSample rest;                  ///< sample that holds after the end
   SwingArc swing;                     ///< if a foot swings
-  bool retraces = false;              ///< an executed motion, backwards
-  /// Of a way back that is taken in part: the sample at which it leaves the executed motion for the rest it ends at.
+  bool retraces = false;              ///< an executed motion in reverse
+  /// Where a partial retrace leaves the executed motion for the rest that it ends at: index of the sample.
   std::optional<int> leaves;
 
   [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }
   [[nodiscard]] double duration() const { return period * ticks(); }
-  /// Sample at which the last phase begins.
+  /// Index of the sample at which the last phase begins.
   [[nodiscard]] int last_phase() const { return ticks() - phases.back().ticks; }
 };
 

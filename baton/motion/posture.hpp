@@ -1,4 +1,4 @@
-/// Where the robot is: the state that a motion begins or ends with.
+/// Postures: the planned state that a motion begins or ends with.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace baton {
 
-/// The five navigation points.
+/// The body parts that can be guided: the five navigation points.
 enum class Part { left_foot, right_foot, left_hand, right_hand, trunk };
 
 inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, Part::left_hand, Part::right_hand,
@@ -26,7 +26,7 @@ inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, P
 [[nodiscard]] constexpr bool is_hand(Part part) {
   return part == Part::left_hand || part == Part::right_hand;
 }
-/// Side of a foot or hand.
+/// Side of a foot or hand; right for the trunk.
 [[nodiscard]] constexpr Side side_of(Part part) {
   return part == Part::left_foot || part == Part::left_hand ? Side::left : Side::right;
 }
@@ -37,19 +37,19 @@ inline constexpr std::array<Part, 5> kParts{Part::left_foot, Part::right_foot, P
   return side == Side::left ? Part::left_hand : Part::right_hand;
 }
 
-/// A foot on its way through the air, to land or to stay up.
+/// A swing in progress, to land or to stay in the air.
 struct Flight {
   Side side = Side::left;
-  Pose from;          ///< where it left the ground
-  double left = 0.0;  ///< time until it arrives [s]
-  double rise = 0.0;  ///< time until it is highest; not positive: it has been [s]
-  double apex = 0.0;  ///< how high that is [m]
+  Pose from;               ///< pose at lift-off
+  double remaining = 0.0;  ///< time until it arrives [s]
+  double to_apex = 0.0;    ///< time until the apex; zero or negative once past it [s]
+  double apex = 0.0;       ///< height of the apex [m]
 };
 
-/// A foot that is about to leave the ground: the weight is on its way to the other.
+/// A foot about to lift off, while the weight shifts to the other.
 struct LiftOff {
   Side side = Side::left;
-  double left = 0.0;  ///< time until then [s]
+  double remaining = 0.0;  ///< time until lift-off [s]
 };
 
 /// Planned state of the whole robot, in the planning frame.
@@ -65,14 +65,14 @@ struct Posture {
   BySide<Pose> hand;
   BySide<Vec3> shoulder{Vec3::Zero(), Vec3::Zero()};  ///< [m]
   BySide<bool> contact{true, true};                   ///< which soles stand
-  BySide<bool> contact_before{true, true};            ///< which stood a moment before
-  std::optional<LiftOff> lift_off;                    ///< of a foot that still stands
-  std::optional<Flight> flight;                       ///< of the foot that does not stand
+  BySide<bool> contact_before{true, true};            ///< contacts just before
+  std::optional<LiftOff> lift_off;                    ///< of a foot still in contact
+  std::optional<Flight> flight;                       ///< of the foot in the air
 
-  /// Yaw of the heading frame: the mean of both soles' yaw [rad].
+  /// Yaw of the heading frame: mean yaw of the soles [rad].
   [[nodiscard]] double heading() const { return mean_yaw(sole); }
 
-  /// Mean height of the supporting soles [m].
+  /// Mean height of the soles in contact [m].
   [[nodiscard]] double support_height() const {
     if (contact.left && contact.right) return 0.5 * (sole.left.p.z() + sole.right.p.z());
     return contact.left ? sole.left.p.z() : sole.right.p.z();

@@ -1,4 +1,4 @@
-/// Why a command can be refused: every reason, and what is known of it, in one table.
+/// The reasons for refusing a command, in one table with their units and texts.
 #pragma once
 
 #include <array>
@@ -8,51 +8,51 @@
 namespace baton {
 
 enum class Reason {
-  // guide: the goal itself
+  // from the guide: the goal
   foot_region,        ///< foothold outside the foot's reachable region
-  foot_yaw,           ///< soles turned too far from each other
+  foot_yaw,           ///< too much yaw between the soles
   sole_gap,           ///< soles closer than allowed
-  ground,             ///< no known, flat ground under the whole sole, away from edges
-  com_height,         ///< COM already at the end of its height range
+  ground,             ///< no known, flat terrain under the whole sole, away from edges
+  com_height,         ///< COM at the end of its height range
   trunk_inclination,  ///< trunk tilted too far
-  no_progress,        ///< no foothold brings the robot nearer to the goal; its cause is what speaks against the best
-  no_landing,         ///< from there the lifted foot could not be put down again, for another cause
-  no_history,         ///< nothing is left to retrace
-  inclined_sole,      ///< the sole that would carry alone is inclined, as on an edge
-  // plan and verify: the motion to it
-  zmp,                 ///< ZMP nearer to the edge of the support polygon than the margin
-  unreachable,         ///< inverse kinematics leaves a residual
-  joint_limit,         ///< joint nearer to a position limit than the margin
-  joint_speed,         ///< joint speed over its limit
-  joint_acceleration,  ///< the same of its acceleration
-  joint_torque,        ///< share of the stall torque over its limit
-  friction,            ///< tangential over normal contact force
-  contact_wrench,      ///< share of the weight that no forces at the soles' vertices give
-  self_collision,      ///< links closer than allowed
-  obstacle,            ///< link nearer to something in the world than allowed
-  swing_ground,        ///< swing sole would touch the ground on its way
-  not_finite,          ///< a target or a result is not a number
+  no_progress,        ///< no foothold leads closer to the goal; the cause is that of the preferred foothold
+  no_landing,         ///< the lifted foot could not land from there; the cause says why
+  no_history,         ///< nothing left to retrace
+  inclined_sole,      ///< the sole that would have to carry alone is tilted, as on an edge
+  // from planner and verifier: the motion
+  zmp,                 ///< ZMP too close to the edge of the support polygon
+  unreachable,         ///< inverse kinematics leaves a residual above tolerance
+  joint_limit,         ///< joint too close to a position limit
+  joint_speed,         ///< joint speed above its limit
+  joint_acceleration,  ///< joint acceleration above its limit
+  joint_torque,        ///< share of the stall torque above its limit
+  friction,            ///< ratio of tangential to normal contact force above its limit
+  contact_wrench,      ///< contact wrench outside the contact-wrench cone, by a share of the weight
+  self_collision,      ///< links too close to each other
+  obstacle,            ///< link too close to something in the world
+  swing_ground,        ///< swing sole would touch the terrain on its way
+  not_finite,          ///< target or result not finite
 };
 
 inline constexpr std::size_t kReasons = static_cast<std::size_t>(Reason::not_finite) + 1;
 
-/// What a refusal's numbers are measured in.
+/// Unit of a refusal's numbers.
 enum class Unit {
-  none,          ///< there are no numbers, or they are those of the cause
+  none,          ///< no numbers, or those of the cause
   length,        ///< [m]
   angle,         ///< [rad]
   speed,         ///< [rad/s]
   acceleration,  ///< [rad/s²]
-  share,         ///< of what there is [-]
-  number,        ///< a ratio [-], or a residual that may be in m or in rad
+  share,         ///< fraction of what is available [-]
+  number,        ///< ratio [-], or residual in m or rad
 };
 
-/// How a value is limited.
+/// Kind of limit.
 enum class Bound {
   none,
   at_least,
   at_most,
-  range,  ///< from below and above: a refusal names the end that is nearer
+  range,  ///< from below and above; a refusal gives the nearer end
 };
 
 [[nodiscard]] constexpr std::string_view to_string(Unit unit) {
@@ -68,14 +68,14 @@ enum class Bound {
 
 struct ReasonInfo {
   Reason reason;
-  std::string_view name;  ///< in messages, plans and reports
+  std::string_view name;  ///< identifier in messages, plans and reports
   Unit unit;
   Bound bound;
-  bool mends_with_time;   ///< a longer duration may mend it
-  std::string_view text;  ///< for the operator; the page puts the part before it and the numbers behind it
+  bool mends_with_time;   ///< a longer duration may help
+  std::string_view text;  ///< for the operator; the page adds part and numbers
 };
 
-/// In the order of `Reason`. The page's copy is web/src/reasons.json; docs/refusals.md explains every one.
+/// In the order of `Reason`. The page has a copy, web/src/reasons.json; docs/refusals.md explains each reason.
 inline constexpr std::array<ReasonInfo, kReasons> kReasonTable{{
     {Reason::foot_region, "foot_region", Unit::length, Bound::range, false, "the foothold would lie outside its reach"},
     {Reason::foot_yaw, "foot_yaw", Unit::angle, Bound::at_most, false,

@@ -44,10 +44,10 @@ void Course::commit(std::shared_ptr<const Answer> answer, std::shared_ptr<const 
   index_ = 0;
   sample_ = &motion.samples.front();
   anchor_ = context.anchor;
-  slip_free_frame_ = context.way * motion.goal.back.inverse();
+  slip_free_frame_ = context.slip_free_frame * motion.goal.drift_correction.inverse();
   last_step_ = context.last_step;
   foothold_ = context.foothold;
-  uncertainty_ = context.unsure;
+  uncertainty_ = context.place_uncertainty;
   ++committed_;
   if (answer->capture() != nullptr) {
     ++caught_;

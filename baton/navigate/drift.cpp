@@ -17,7 +17,7 @@ Pose drift_correction(const RobotModel& robot, const GuideContext& context, cons
   if (command.guide != Part::trunk || command.recall != Recall::none || led.isZero(0.0)) return {};
   // The drift, seen from the COM.
   const Vec3& com = context.from.com;
-  const Pose drift = context.anchor.inverse() * context.way;
+  const Pose drift = context.anchor.inverse() * context.slip_free_frame;
   const Vec2 shift = (drift * com - com).head<2>();
   const double turn = yaw_of(drift.R);
   if (shift.norm() < kInPlace * robot.profile().stance.com_height && std::abs(turn) < kInPlace) return {};

@@ -6,7 +6,7 @@
 namespace baton {
 
 /// What a motion that guides the trunk corrects of the drift by sliding soles: a move of the planning frame towards
-/// `context.way`, by at most a twentieth of the trunk's reach. Other commands correct nothing.
+/// `context.slip_free_frame`, by at most a twentieth of the trunk's reach. Other commands correct nothing.
 [[nodiscard]] Pose drift_correction(const RobotModel& robot, const GuideContext& context, const Command& command);
 
 /// An uncertainty of the robot's place, by which edges are kept farther away, but no more than still leaves room for

@@ -115,7 +115,7 @@ Request Requests::from_rest(const Command& command) const {
                   {course_.rest(), context_at_rest(), now_.history.newest()},
                   {},
                   {intent_of(command)}};
-  request.start.context.back = drift_correction(now_.robot, request.start.context, command);
+  request.start.context.drift_correction = drift_correction(now_.robot, request.start.context, command);
   return request;
 }
 
@@ -142,7 +142,7 @@ Request Requests::on_the_way(int at) const {
   // A lever that moves while the stick is centred changes how high the foot is, not where it goes.
   if (now_.command.axes.isZero(0.0) && guided == answer.command.guide) request.command.axes = answer.command.axes;
   context.goes_on = guided == answer.command.guide && !answer.command.axes.isZero(0.0);
-  context.back = drift_correction(now_.robot, context, request.command);
+  context.drift_correction = drift_correction(now_.robot, context, request.command);
 
   start.flight = flight(at);
   start.lift_off = lift_off(at);
@@ -247,9 +247,9 @@ std::optional<Request> Requests::catching() const {
     if (at < motion_->last_phase()) under_way = course_.answer()->capture();
     const Posture& start = request.start.posture;
     if (start.flight) {
-      lands_in = start.flight->left;
+      lands_in = start.flight->remaining;
     } else if (start.lift_off) {
-      lands_in = start.lift_off->left + swing;
+      lands_in = start.lift_off->remaining + swing;
     }
     lands_in += lookahead * profile_.tick.period;
     if (start.flight) capture.lands_in = lands_in;
@@ -344,11 +344,11 @@ GuideContext Requests::context_at_rest() const {
   const Pose anchor = course_.anchor() * now_.watch.slid(course_.sample());
   GuideContext context{course_.rest(), anchor, course_.last_step(), course_.foothold()};
   if (motion_ != nullptr) course_.note_steps(context.last_step, context.foothold);
-  context.way = course_.slip_free_frame();
+  context.slip_free_frame = course_.slip_free_frame();
   // With a foot in the air it stays what that was to land with.
-  context.unsure = both_stand(course_.sample().contact)
-                       ? bounded_uncertainty(now_.robot, now_.watch.odometry().uncertainty())
-                       : course_.uncertainty();
+  context.place_uncertainty = both_stand(course_.sample().contact)
+                                  ? bounded_uncertainty(now_.robot, now_.watch.odometry().uncertainty())
+                                  : course_.uncertainty();
   return context;
 }
 

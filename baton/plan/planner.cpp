@@ -128,7 +128,7 @@ PlanResult Planner::by_search(Task& task) {
   const auto in_ticks = [&](double t) { return static_cast<int>(std::lround(t / period)); };
   const int longest = in_ticks(profile.duration.max);
   const std::optional<Flight>& flight = task.segment.from().flight;
-  const double swing_time = flight ? flight->left : task.segment.limits().swing_time;
+  const double swing_time = flight ? flight->remaining : task.segment.limits().swing_time;
   const int least_swing = static_cast<int>(std::ceil(swing_time / period - 1e-9));
   const ComProblem& com = task.segment.com();
   // The shortest that the point mass can do, but nothing that is over sooner than a swing.

@@ -66,8 +66,8 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
       if (from.lift_off && from.lift_off->side == *goal.swing) {  // the weight is on its way already
         const double swing = step[1] * first_duration_;
         const double after = step[2] * first_duration_;
-        first_duration_ = from.lift_off->left + swing + after;
-        shares = {from.lift_off->left / first_duration_, swing / first_duration_, after / first_duration_};
+        first_duration_ = from.lift_off->remaining + swing + after;
+        shares = {from.lift_off->remaining / first_duration_, swing / first_duration_, after / first_duration_};
       }
       contact_ = {both, only(other(*goal.swing)), both};
       wish(0.0, from.com, w[0]);
@@ -91,8 +91,8 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
     case Swing::lower:
       shares.assign(profile.lower.begin(), profile.lower.end());
       if (from.flight) {  // the swing takes what is left of it, and after it as long as after a step
-        first_duration_ = from.flight->left + step[2] * first_duration_;
-        shares = {from.flight->left / first_duration_, 1.0 - from.flight->left / first_duration_};
+        first_duration_ = from.flight->remaining + step[2] * first_duration_;
+        shares = {from.flight->remaining / first_duration_, 1.0 - from.flight->remaining / first_duration_};
       }
       contact_ = {only(other(*goal.swing)), both};
       wish(0.0, from.com, w[1]);
@@ -133,7 +133,7 @@ double Segment::least_gap() const {
   const ConvexPolygon stance = sole_outline(*robot_, other(side), from_.sole[other(side)]);
   double least = std::numeric_limits<double>::infinity();
   constexpr int kSamples = 20;
-  const double duration = from_.flight ? from_.flight->left : 1.0;
+  const double duration = from_.flight ? from_.flight->remaining : 1.0;
   for (int k = 1; k < kSamples; ++k) {
     const Pose sole = swing(duration * k / kSamples, duration);
     least = std::min(least, separation(sole_outline(*robot_, side, sole), stance));
@@ -177,8 +177,8 @@ Vec2 Segment::apex(double duration) const {
     return {share * duration, std::max(from, to) + clearance};
   }
   if (!from_.flight && beside()) return {kBeside.first * duration, std::max(from, to)};
-  if (!from_.flight || from_.flight->rise <= 0.0) return {0.0, from};
-  return {from_.flight->rise / from_.flight->left * duration, std::max(from_.flight->apex, to + clearance)};
+  if (!from_.flight || from_.flight->to_apex <= 0.0) return {0.0, from};
+  return {from_.flight->to_apex / from_.flight->remaining * duration, std::max(from_.flight->apex, to + clearance)};
 }
 
 Vec2 Segment::apex(const Timing& timing) const {

@@ -159,9 +159,9 @@ Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goa
   std::vector<Posture> starts{request.start.posture};
   if (request.start.posture.flight) {  // the foot may also come down sooner than it was to
     Flight& flight = *starts.emplace_back(request.start.posture).flight;
-    const double left = std::max(kLeastFlight, kSooner * flight.left);
-    flight.rise *= left / flight.left;
-    flight.left = left;
+    const double left = std::max(kLeastFlight, kSooner * flight.remaining);
+    flight.to_apex *= left / flight.remaining;
+    flight.remaining = left;
   }
   std::optional<PlannedMotion> best;
   std::optional<Refusal> against;
@@ -277,7 +277,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   if (end.contact.left && end.contact.right) return std::nullopt;
   const Side up = end.contact.left ? Side::right : Side::left;
   GuideContext there{end, context.anchor, context.last_step, context.foothold};
-  there.unsure = context.unsure;
+  there.place_uncertainty = context.place_uncertainty;
   GuideResult landings = guide_.landings(there, up);
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {

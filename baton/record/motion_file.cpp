@@ -65,7 +65,7 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
           {"lift_off", pose_json(motion.swing.lift_off)},
           {"retraces", motion.retraces},
           {"returns", motion.goal.returns},
-          {"unsure", motion.goal.unsure},
+          {"unsure", motion.goal.place_uncertainty},
           {"samples", samples}};
 }
 
@@ -107,7 +107,7 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   motion.contact_before = contact_in(read.at("contact_before"));
   motion.retraces = read.at("retraces").truth();
   motion.goal.returns = read.at("returns").truth();
-  motion.goal.unsure = read.at("unsure").number();
+  motion.goal.place_uncertainty = read.at("unsure").number();
   motion.dq0 = read.at("dq0").vector(robot.nv());
   differentiate(robot, motion);
   return motion;

@@ -23,9 +23,9 @@ Obstacles::Obstacles(const RobotModel& robot, const World& world) {
     if (!collides(link) || m.body_rootid[m.geom_bodyid[link]] != root) continue;
     const std::string body = name_of(m, mjOBJ_BODY, m.geom_bodyid[link]);
     const bool foot = body == feet.left || body == feet.right;
-    for (int thing = 0; thing < m.ngeom; ++thing) {
-      if (!collides(thing) || m.body_rootid[m.geom_bodyid[thing]] == root) continue;
-      if (!foot || !World::is_ground(name(thing))) pairs_.push_back({link, thing});
+    for (int obstacle = 0; obstacle < m.ngeom; ++obstacle) {
+      if (!collides(obstacle) || m.body_rootid[m.geom_bodyid[obstacle]] == root) continue;
+      if (!foot || !World::is_ground(name(obstacle))) pairs_.push_back({link, obstacle});
     }
   }
 }
@@ -49,13 +49,13 @@ double Obstacles::distance(const VecX& q, double limit, std::array<int, 2>& geom
   mju_copy(data_->qpos, q.data(), model_->nq);
   mj_kinematics(model_.get(), data_.get());
   double least = limit;
-  for (const auto& [link, thing] : pairs_) {
+  for (const auto& [link, obstacle] : pairs_) {
     const Vec3 centre = Eigen::Map<const Vec3>(data_->geom_xpos + 3 * link);
-    if (least_distance(thing, centre) - model_->geom_rbound[link] >= least) continue;
-    const double distance = mj_geomDistance(model_.get(), data_.get(), link, thing, least, nullptr);
+    if (least_distance(obstacle, centre) - model_->geom_rbound[link] >= least) continue;
+    const double distance = mj_geomDistance(model_.get(), data_.get(), link, obstacle, least, nullptr);
     if (distance < least) {
       least = distance;
-      geoms = {link, thing};
+      geoms = {link, obstacle};
     }
   }
   return least;

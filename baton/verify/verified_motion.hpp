@@ -1,4 +1,4 @@
-/// The type of a motion that may be executed.
+/// Verified motions, the only ones that are executed.
 #pragma once
 
 #include <memory>
@@ -8,9 +8,9 @@
 
 namespace baton {
 
-/// A motion that was verified whole. Only `Verifier` makes one, and nothing changes it afterwards: to change a motion
-/// is to copy it and to verify the copy. Copies of the handle share the motion. One that was moved from may only be
-/// assigned to or destroyed.
+/// A motion that was verified at every tick. Only `Verifier` makes one, and it is immutable: a changed motion is a
+/// copy, to be verified again. Copies of this handle share the motion. A moved-from handle may only be assigned or
+/// destroyed.
 class VerifiedMotion {
  public:
   [[nodiscard]] const Motion& operator*() const { return proof_->motion; }

@@ -8,14 +8,14 @@
 namespace baton {
 namespace {
 
-constexpr double kMissing = 1e-3;  ///< share of the weight that vertex forces may leave, a rounding
-constexpr double kLean = 0.01;     ///< by which a trunk may lean farther on its way than at rest [rad]
-constexpr double kLeanRounding = 1e-6;
-constexpr double kSlack = 1e-5;       ///< by which a distance that is too small already may shrink [m]
-constexpr double kClearance = 0.2;    ///< share of the swing's clearance that a foot has wherever it travels
-constexpr double kRise = 0.3;         ///< height over way, where it leaves the ground and where it lands
-constexpr double kContact = -2e-4;    ///< height at which a sole leaves the ground it stood on, and meets the next [m]
-constexpr double kMarginStep = 0.25;  ///< of the margin to edges, where a foot stands nearer already
+constexpr double kWrenchTolerance = 1e-3;  ///< share of the weight that vertex forces may miss: a rounding error
+constexpr double kTiltSlack = 0.01;        ///< by which the trunk may lean farther in motion than at rest [rad]
+constexpr double kTiltRounding = 1e-6;     ///< [rad]
+constexpr double kDistanceSlack = 1e-5;    ///< by which a distance that is below its limit already may shrink [m]
+constexpr double kTravelClearance = 0.2;   ///< clearance of a travelling foot, share of the swing clearance
+constexpr double kTravelSlope = 0.3;       ///< height over horizontal distance, near lift-off and touchdown
+constexpr double kContactHeight = -2e-4;   ///< height of a sole above the terrain at lift-off and touchdown [m]
+constexpr double kMarginStep = 0.25;       ///< step by which the edge margin is reduced, as share of it
 
 bool is_finite(const MotionSample& sample) {
   const auto pose = [](const Pose& x) { return x.p.allFinite() && x.R.allFinite(); };
@@ -23,16 +23,16 @@ bool is_finite(const MotionSample& sample) {
          sample.dcom.allFinite() && pose(sample.sole.left) && pose(sample.sole.right);
 }
 
-/// The sample at which a foot is off the ground first, or the end.
-std::vector<MotionSample>::const_iterator first_in_the_air(const Motion& motion) {
+/// The first sample with a foot in the air, or the end.
+std::vector<MotionSample>::const_iterator first_swing_sample(const Motion& motion) {
   return std::find_if(motion.samples.begin(), motion.samples.end(),
                       [](const MotionSample& s) { return !s.contact.left || !s.contact.right; });
 }
 
 }  // namespace
 
-/// Keeps the worst value of each quantity, and the first violation; one that a longer duration may mend gives way to
-/// one that none does.
+/// Records the worst value of each quantity, and the first violation. A violation that no duration can fix replaces one
+/// that a longer duration may fix.
 class Verifier::Ledger {
  public:
   void enter(Reason quantity, Part part, double value, double limit, double t, int subject) {
@@ -40,7 +40,7 @@ class Verifier::Ledger {
     Entry& entry = entries_[static_cast<std::size_t>(quantity)];
     if (!entry.known || !(slack >= entry.slack)) entry = {true, slack, part, value, limit, t, subject};
     if (slack >= 0.0) return;
-    first_ = std::min(first_, t);
+    first_violation_ = std::min(first_violation_, t);
     if (!violation_ || (mends_with_time(*violation_) && !mends_with_time(quantity))) violation_ = quantity;
   }
 
@@ -50,7 +50,7 @@ class Verifier::Ledger {
   [[nodiscard]] std::optional<Refusal> refusal(const Name& name) const {
     if (!violation_) return std::nullopt;
     const Entry& e = entries_[static_cast<std::size_t>(*violation_)];
-    return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_};
+    return Refusal{*violation_, e.part, e.value, e.limit, name(*violation_, e.subject), first_violation_};
   }
 
   template <typename Name>
@@ -72,11 +72,11 @@ class Verifier::Ledger {
     double value = 0.0;
     double limit = 0.0;
     double t = 0.0;
-    int subject = -1;  ///< joint, or pair of geoms as first · ngeom + second
+    int subject = -1;  ///< joint, or pair of geoms as first · ngeom + second; −1: none
   };
   std::array<Entry, kReasons> entries_{};
   std::optional<Reason> violation_;
-  double first_ = std::numeric_limits<double>::infinity();  ///< when anything was violated first [s]
+  double first_violation_ = std::numeric_limits<double>::infinity();  ///< time of the first violation [s]
 };
 
 Verifier::Verifier(const RobotModel& robot, const World& world)
@@ -118,7 +118,7 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
   const Wrench total = ground_wrench(kinematics_, sample.force);
   sample.zmp_height = support_plane(sample.sole, sample.contact);
   sample.zmp = total.zmp(sample.zmp_height);
-  // Where phases meet, the ZMP must suit the soles that stand on both sides.
+  // At a phase border, the ZMP must lie in the support polygon of the soles that stand in both phases.
   const auto& before = tick == 0 ? motion.contact_before : samples[static_cast<std::size_t>(tick) - 1].contact;
   const BySide<bool> contact{sample.contact.left && before.left, sample.contact.right && before.right};
   const bool changes = before.left != sample.contact.left || before.right != sample.contact.right;
@@ -137,7 +137,7 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
   const double friction = total.force.head<2>().norm() / total.force.z();
   ledger.enter(Reason::friction, Part::trunk, friction, limits.friction, t, -1);
   const double missing = forces_.missing(sample.sole, contact, total, sample.com);
-  ledger.enter(Reason::contact_wrench, Part::trunk, missing, kMissing, t, -1);
+  ledger.enter(Reason::contact_wrench, Part::trunk, missing, kWrenchTolerance, t, -1);
   const auto check_torques = [&](const BySide<bool>& standing) {
     joint_torques(kinematics_, sample.force, share_wrench(*robot_, sample.sole, standing, total), tau_);
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
@@ -147,7 +147,7 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
     }
   };
   check_torques(sample.contact);
-  // What stood until now stands here on the way back.
+  // In reverse, the contacts of the phase before hold at this sample.
   if (changes) check_torques(before);
 }
 
@@ -160,50 +160,50 @@ void Verifier::check_tracking(const MotionSample& sample, double t, Ledger& ledg
     position = std::max(position, (sole.p - sample.sole[side].p).norm());
     rotation = std::max(rotation, rotation_error(sample.sole[side].R, sole.R).norm());
   }
-  // One scale for both: the tolerance of each counts as 1.
+  // On one scale: both tolerances count as 1.
   constexpr double kRounding = 1.01;
   const double residual = std::max(position / ik.position, rotation / ik.rotation);
   ledger.enter(Reason::unreachable, Part::trunk, residual * ik.position, kRounding * ik.position, t, -1);
 }
 
-double Verifier::most_lean(const Motion& motion) {
+double Verifier::max_tilt(const Motion& motion) {
   const auto lean = [this](const MotionSample& sample) {
     kinematics_.set(sample.q);
     return tilt_of(kinematics_.trunk().R);
   };
-  // Whoever leans too far already, after a slip, must be able to straighten up; and to go back where it came from.
+  // A trunk that leans too far already, as after a slip, must be able to straighten up; and to retrace its way.
   const double start = lean(motion.samples.front());
-  return std::max({robot_->profile().region.trunk_inclination + kLean, start + kLeanRounding,
-                   motion.retraces ? lean(motion.samples.back()) + kLeanRounding : 0.0});
+  return std::max({robot_->profile().region.trunk_inclination + kTiltSlack, start + kTiltRounding,
+                   motion.retraces ? lean(motion.samples.back()) + kTiltRounding : 0.0});
 }
 
 double Verifier::edge_margin(const Motion& motion) const {
-  // Where a foot stood it may stand again, though a millimetre of slip has taken it into the margin.
-  return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.unsure;
+  // A foot may return to a foothold, even if a slip of a millimetre has moved that into the margin.
+  return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.place_uncertainty;
 }
 
 double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
   const double most = edge_margin(motion);
-  const auto up = first_in_the_air(motion);
+  const auto up = first_swing_sample(motion);
   if (most == 0.0 || up == motion.samples.end()) return most;
   const Side swing = up->contact.left ? Side::right : Side::left;
   const Pose from = anchor * motion.swing.lift_off;
   const ConvexPolygon outline = sole_outline(*robot_, swing, from);
   for (double margin = most; margin > 0.0; margin -= kMarginStep * most) {
-    if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContact) return margin;
+    if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContactHeight) return margin;
   }
   return 0.0;
 }
 
-double Verifier::lowest(const Motion& motion, const Pose& anchor) const {
-  // A foot that stands lower than the map says leaves the ground from there.
-  const auto up = first_in_the_air(motion);
-  if (up == motion.samples.end()) return kContact;
+double Verifier::least_height(const Motion& motion, const Pose& anchor) const {
+  // A foot that stands lower than the mapped terrain lifts off from where it is.
+  const auto up = first_swing_sample(motion);
+  if (up == motion.samples.end()) return kContactHeight;
   const Side swing = up->contact.left ? Side::right : Side::left;
   const Pose from = anchor * motion.swing.lift_off;
   const double off =
       from.p.z() - world_->highest_under(sole_outline(*robot_, swing, from).inset(-bounds_.swing_margin));
-  return std::clamp(off - kSlack, -robot_->profile().ground.flatness, kContact);
+  return std::clamp(off - kDistanceSlack, -robot_->profile().ground.flatness, kContactHeight);
 }
 
 double Verifier::clearance(const Motion& motion, std::size_t tick) const {
@@ -217,7 +217,7 @@ double Verifier::clearance(const Motion& motion, std::size_t tick) const {
   };
   double way = travel(motion.swing.lift_off);
   if (end.contact[swing]) way = std::min(way, travel(end.sole[swing]));
-  return std::min(kClearance * bounds_.limits.swing_clearance, kRise * way);
+  return std::min(kTravelClearance * bounds_.limits.swing_clearance, kTravelSlope * way);
 }
 
 void Verifier::check_soles(const Motion& motion, std::size_t tick, const Pose& anchor, Ledger& ledger) const {
@@ -231,12 +231,12 @@ void Verifier::check_soles(const Motion& motion, std::size_t tick, const Pose& a
   ledger.enter(Reason::sole_gap, foot(swing), separation(outline, stance), profile.region.sole_gap, t, -1);
   const Pose in_world = anchor * sample.sole[swing];
   const double ground = world_->highest_under(sole_outline(*robot_, swing, in_world).inset(-bounds_.swing_margin));
-  const double least = bounds_.lowest + clearance(motion, tick);
+  const double least = bounds_.least_height + clearance(motion, tick);
   ledger.enter(Reason::swing_ground, foot(swing), in_world.p.z() - ground, least, t, -1);
 }
 
 void Verifier::check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const {
-  // The soles that stand at the start stand already; what lands must find ground.
+  // Only touchdowns are checked: soles in contact at the start stand already.
   const Profile& profile = robot_->profile();
   std::size_t tick = 0;
   for (std::size_t i = 1; i < motion.phases.size(); ++i) {
@@ -267,24 +267,24 @@ double Verifier::travel() {
 
 void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, bool first, double t, Ledger& ledger) {
   const double margin = bounds_.limits.self_collision;
-  const double near = 4.0 * margin + 0.01;  // distances beyond are not told apart
+  const double near = 4.0 * margin + 0.01;  // larger distances all count as this one
   const auto subject = [](const std::array<int, 2>& pair, int geoms) {
     return pair[0] < 0 ? -1 : pair[0] * geoms + pair[1];
   };
-  // Nothing comes nearer than by what the links travel: while that cannot make it the nearest so far, a distance is
-  // not measured again.
+  // The travel of the links bounds how much a distance can shrink. It is measured again only when it may have become
+  // the smallest so far.
   const double moved = travel();
   const auto due = [first](Gap& gap, double approach) {
     if (first) gap = {};
-    gap.room -= approach;
-    return first || gap.room < gap.least;
+    gap.lower_bound -= approach;
+    return first || gap.lower_bound < gap.smallest;
   };
-  // Where it is nearer than the margin already, after a slip, it must come no nearer: else it could not leave.
+  // Links that are too close already, as after a slip, must come no closer: they could not move apart otherwise.
   const auto enter = [&](Gap& gap, Reason reason, double distance, int pair) {
     const bool near_already = distance > 0.0 && distance < margin;
-    if (first) gap.limit = near_already ? distance - kSlack : margin;
-    gap.room = distance;
-    gap.least = std::min({gap.least, distance, near});
+    if (first) gap.limit = near_already ? distance - kDistanceSlack : margin;
+    gap.lower_bound = distance;
+    gap.smallest = std::min({gap.smallest, distance, near});
     ledger.enter(reason, Part::trunk, std::min(distance, near), gap.limit, t, distance < near ? pair : -1);
   };
   if (due(self_gap_, 2.0 * moved)) {
@@ -317,25 +317,25 @@ std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose
   bounds_.limits = limits;
   forces_.set(limits);
   bounds_.swing_margin = swing_margin(motion, anchor);
-  bounds_.lowest = lowest(motion, anchor);
-  // What is cheap first, and to the end: how far a speed is off says how much longer the motion must take.
+  bounds_.least_height = least_height(motion, anchor);
+  // Cheap checks first, at all ticks even after a violation: the worst speed tells how much longer the motion must be.
   for (int k = 0; k <= motion.ticks(); ++k) {
     const MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     if (!is_finite(sample)) return Refusal{Reason::not_finite, Part::trunk, 0, 0, ""};
-    // Where one motion ends at rest and the next begins at once, both come together.
+    // The next motion may begin at once where this one ends at rest, so their accelerations may add up.
     const bool rests = k == motion.ticks() || (k == 0 && motion.dq0.isZero(0.0));
     check_joints(sample, rests ? 2.0 : 1.0, k * motion.period, ledger);
     check_soles(motion, static_cast<std::size_t>(k), anchor, ledger);
   }
   check_footholds(motion, anchor, ledger);
-  bounds_.lean = most_lean(motion);
+  bounds_.tilt = max_tilt(motion);
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     const double t = k * motion.period;
     sample.force.resize(robot_->nv());
     kinematics_.inverse_dynamics(sample.q, sample.dq, sample.ddq, sample.force);
     check_tracking(sample, t, ledger);
-    ledger.enter(Reason::trunk_inclination, Part::trunk, tilt_of(kinematics_.trunk().R), bounds_.lean, t, -1);
+    ledger.enter(Reason::trunk_inclination, Part::trunk, tilt_of(kinematics_.trunk().R), bounds_.tilt, t, -1);
     check_wrench(motion, k, t, ledger);
     check_distances(sample, anchor, k == 0, t, ledger);
   }

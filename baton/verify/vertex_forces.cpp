@@ -7,7 +7,7 @@
 namespace baton {
 namespace {
 
-constexpr double kRegularisation = 1e-8;  ///< ε, of forces in units of the weight
+constexpr double kRegularisation = 1e-8;  ///< ε, for forces in units of the weight
 
 }  // namespace
 
@@ -40,7 +40,7 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
   if (n == 0) return std::numeric_limits<double>::infinity();
   const double weight = robot_->mass() * kGravity;
   const double length = robot_->profile().stance.com_height;
-  // A pyramid inside the cone.
+  // The friction pyramid inscribed in the cone.
   const double mu = friction_ / std::sqrt(2.0);
   w.G.setZero(6, 3 * n);
   Eigen::Matrix<double, 6, 6> gram = kRegularisation * Eigen::Matrix<double, 6, 6>::Identity();
@@ -61,7 +61,7 @@ double VertexForces::missing(const BySide<Pose>& sole, const BySide<bool>& conta
   Vec6 wanted;
   wanted << total.force / weight, total.moment_about(com) / (weight * length);
   if (!wanted.allFinite()) return std::numeric_limits<double>::infinity();
-  // Without the cones it is the minimiser as well where it happens to lie in them.
+  // The unconstrained minimiser is the answer if it lies in the pyramids.
   w.f.noalias() = w.G.transpose() * gram.ldlt().solve(wanted);
   bool inside = true;
   for (i = 0; i < n && inside; ++i)

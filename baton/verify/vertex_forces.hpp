@@ -1,5 +1,5 @@
-/// Whether the planned soles can give a contact wrench: forces at the soles' vertices, each in its friction pyramid
-/// (docs/theory.md §3). On any ground this covers ZMP, friction and yaw torque in one.
+/// Contact-wrench cone of the planned soles: the wrenches that forces at the soles' vertices, each in its friction
+/// pyramid, can give (docs/theory.md §4). It covers ZMP, friction and yaw torque, on terrain of any shape.
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@ class VertexForces {
   VertexForces(const RobotModel& robot, const Limits& limits);
   ~VertexForces();
 
-  /// From now on soles are taken smaller by these limits' `zmp_verify`, and friction as their `friction`.
+  /// Sets the inset of the soles (`zmp_verify`) and the friction coefficient (`friction`).
   void set(const Limits& limits);
 
-  /// Share of the weight that no such forces give, moments counted at the length of the nominal COM height: 0 if the
-  /// wrench can be had. The minimiser of |G f − w|² + ε|f|² over the pyramids.
-  /// @param total wrench from the ground, about the frame's origin
-  /// @param com where the moments are taken [m]
+  /// Distance of a wrench from the cone as a share of the weight, 0 inside it: the residual |G f − w| of the f in the
+  /// pyramids that minimises |G f − w|² + ε|f|². Moments are divided by the nominal COM height.
+  /// @param total contact wrench, moment about the origin
+  /// @param com reference point of the moments [m]
   [[nodiscard]] double missing(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total,
                                const Vec3& com);
 

@@ -296,8 +296,8 @@ TEST_P(GuideTest, AGuidedTrunkMakesUpForSolesThatSlid) {
   for (int trial = 0; trial < 2000; ++trial) {
     const GuideContext context = this->context(random_stance(random));
     GuideContext astray = context;
-    astray.back.R = rotation_z(0.01 * unit(random));
-    astray.back.p = 0.05 * robot_.profile().reach.trunk * Vec3(unit(random), unit(random), 0);
+    astray.drift_correction.R = rotation_z(0.01 * unit(random));
+    astray.drift_correction.p = 0.05 * robot_.profile().reach.trunk * Vec3(unit(random), unit(random), 0);
     Command command;
     command.axes << unit(random), unit(random), 0, 0, 0, unit(random);
     const GuideResult plain = guide.goals(context, command);
@@ -307,15 +307,15 @@ TEST_P(GuideTest, AGuidedTrunkMakesUpForSolesThatSlid) {
     const Vec3 asked =
         context.from.com + rotation_z(context.from.heading()) * command.axes.head<3>() * robot_.profile().reach.trunk;
     for (const Goal& goal : *goals) {
-      ASSERT_LT(rotation_error(goal.back.R, astray.back.R).norm(), 1e-12);
+      ASSERT_LT(rotation_error(goal.drift_correction.R, astray.drift_correction.R).norm(), 1e-12);
       // What it says to have made up for, it has.
-      const bool there = (goal.com - astray.back * asked).head<2>().norm() < 1e-3;
-      EXPECT_LT((goal.back * asked - (there ? astray.back * asked : asked)).head<2>().norm(),
+      const bool there = (goal.com - astray.drift_correction * asked).head<2>().norm() < 1e-3;
+      EXPECT_LT((goal.drift_correction * asked - (there ? astray.drift_correction * asked : asked)).head<2>().norm(),
                 there ? 1e-12 : (goal.com - asked).norm() * 0.01 + 1e-12);
       ++(there ? led : turned);
     }
     for (const Goal& goal : std::get<std::vector<Goal>>(plain))
-      EXPECT_TRUE(goal.back.p.isZero(1e-12) && goal.back.R.isIdentity(1e-12));
+      EXPECT_TRUE(goal.drift_correction.p.isZero(1e-12) && goal.drift_correction.R.isIdentity(1e-12));
     command.guide = Part::left_foot;
     const GuideResult stepping = guide.goals(astray, command);
     const auto* steps = std::get_if<std::vector<Goal>>(&stepping);
@@ -508,7 +508,7 @@ TEST(GuideInTheRoom, TheLessSureThePlaceTheFartherFromEdges) {
   for (const double unsure : {0.0, 0.001, 0.0025}) {
     for (const double nearer : {-1e-4, 1e-4}) {
       GuideContext context{from, Pose{}, Side::right, from.sole};
-      context.unsure = unsure;
+      context.place_uncertainty = unsure;
       Command step;
       step.guide = Part::left_foot;
       step.axes[0] = (edge - unsure + nearer - from.sole.left.p.x()) / robot.profile().reach.foot;
@@ -525,7 +525,7 @@ TEST(GuideInTheRoom, TheLessSureThePlaceTheFartherFromEdges) {
       if (goals == nullptr) {
         EXPECT_EQ(std::get<Refusal>(result).reason, Reason::ground);
       } else {
-        EXPECT_EQ(goals->front().unsure, unsure);  // as far from edges it is verified, too
+        EXPECT_EQ(goals->front().place_uncertainty, unsure);  // as far from edges it is verified, too
       }
     }
   }

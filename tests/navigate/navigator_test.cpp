@@ -287,7 +287,7 @@ TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAl
   int flights = 0;
   while (odometry.uncertainty() < past_an_edge) {
     run.step(push(Part::trunk, 0));
-    const double unsure = run.navigator().request_for({}).start.context.unsure;
+    const double unsure = run.navigator().request_for({}).start.context.place_uncertainty;
     const BySide<bool>& stands = run.navigator().sample().contact;
     if (stands.left && stands.right) {
       ASSERT_EQ(unsure, std::min(odometry.uncertainty(), 0.7 * past_an_edge));
@@ -303,7 +303,7 @@ TEST_P(NavigatorTest, TheFartherItHasGoneTheFartherItStaysOffEdgesAsFarAsStepsAl
   Trip perfect(robot_, {}, "flat", StateSource::perfect);
   for (int k = 0; k < 1000; ++k)
     perfect.step(push(Part::trunk, 0));
-  EXPECT_EQ(perfect.navigator().request_for({}).start.context.unsure, 0.0);
+  EXPECT_EQ(perfect.navigator().request_for({}).start.context.place_uncertainty, 0.0);
 }
 
 TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
