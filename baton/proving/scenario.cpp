@@ -39,7 +39,7 @@ class Program : public Device {
   std::function<Command(double t)> at_;
 };
 
-/// A random horizontal vector of this length.
+/// Horizontal vector of this direction and length.
 Vec3 horizontal(double angle, double length) {
   return length * Vec3(std::cos(angle), std::sin(angle), 0.0);
 }
