@@ -30,9 +30,9 @@ void on_interrupt(int /*signal*/) {
   interrupted = true;
 }
 
-constexpr std::array<int, 3> kEnding{SIGINT, SIGTERM, SIGHUP};  ///< signals that bring a run to its end
+constexpr std::array<int, 3> kEnding{SIGINT, SIGTERM, SIGHUP};  ///< signals that end a run
 
-/// The text as a number, all of it.
+/// Parses the whole text as a number.
 template <typename Number>
 std::optional<Number> number_in(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -42,13 +42,13 @@ std::optional<Number> number_in(std::string_view text) {
   return value;
 }
 
-/// Takes only what `fits`, and says what that is.
+/// Accepts only values that `fits` accepts; the error says what is expected.
 template <typename Number>
 CLI::Validator taking(const std::string& wanted, std::function<bool(Number)> fits) {
   const auto check = [wanted, fits](std::string& text) -> std::string {
     const std::optional<Number> value = number_in<Number>(text);
     if (!value || !fits(*value)) return fmt::format("{} is not {}", shortened(text, 40), wanted);
-    text = fmt::format("{}", *value);  // CLI11 would take 010 for 8
+    text = fmt::format("{}", *value);  // CLI11 would read 010 as 8
     return "";
   };
   return {check, "", ""};
@@ -171,7 +171,7 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--report", o.report, "Write what came of it to this .json file; needed but with --scenario");
 }
 
-/// @throws InputError a command lacks what it needs
+/// @throws InputError a command lacks a required option
 void complain_of_missing(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) {
     for (const CLI::Option* option : command->get_options()) {
@@ -194,7 +194,7 @@ int parse_and_run(std::vector<std::string> args) {
   app.fallthrough();
   app.parse_complete_callback([&verbose] { spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::info); });
 
-  // Plain `baton` is `baton drive`.
+  // `baton` alone means `baton drive`.
   const auto first =
       std::find_if(args.begin(), args.end(), [](const auto& arg) { return arg != "-v" && arg != "--verbose"; });
   const bool names_command = first != args.end() && !first->starts_with("-");
@@ -290,14 +290,14 @@ int parse_and_run(std::vector<std::string> args) {
 }  // namespace
 
 int run(const std::vector<std::string>& args) {
-  // Standard output is for results, the log goes beside it.
+  // Standard output is for results; the log goes to standard error.
   if (!spdlog::get("baton")) spdlog::set_default_logger(spdlog::stderr_color_mt("baton"));
   spdlog::set_pattern("%^%l%$: %v");
   interrupted = false;
   std::array<void (*)(int), kEnding.size()> before{};
   for (std::size_t i = 0; i < kEnding.size(); ++i) {
     before[i] = std::signal(kEnding[i], on_interrupt);
-    if (kEnding[i] == SIGHUP && before[i] == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+    if (kEnding[i] == SIGHUP && before[i] == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // keep nohup's setting
   }
   int code = kFailed;
   try {

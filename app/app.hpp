@@ -1,4 +1,4 @@
-/// The command line, as a function: the program is `run(args)`, tests call it too.
+/// The command line as a function, so that tests can call it.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ inline constexpr int kFailed = 1;
 inline constexpr int kBadInput = 2;
 inline constexpr int kFallen = 3;
 
-/// Runs the program with these arguments (without the program's name). Never throws.
+/// Runs the program with these arguments (program name excluded). Never throws.
 int run(const std::vector<std::string>& args);
 
 }  // namespace baton::app

@@ -1,4 +1,4 @@
-/// The program's commands, each with its options. All throw InputError for bad input.
+/// The program's commands and their options. All commands throw InputError on bad input.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace baton::app {
 
-/// Set by SIGINT (Ctrl-C), SIGTERM and SIGHUP: come to rest, write what was asked for, end.
+/// Set by SIGINT (Ctrl-C), SIGTERM and SIGHUP: come to rest, write the requested files, exit.
 extern std::atomic<bool> interrupted;
 
 struct ModeOptions {
@@ -17,21 +17,21 @@ struct ModeOptions {
   std::string on_limit = "shrink";
 };
 
-/// What physics is like, beside the world.
+/// Physics and state estimation.
 struct PhysicsOptions {
   std::string state = "sensors";
-  std::optional<std::string> drive;     ///< instead of the profile's
-  std::optional<std::string> scenario;  ///< a plant that is not the model
-  double times = 1.0;                   ///< factor on how far it is from it
+  std::optional<std::string> drive;     ///< overrides the profile's
+  std::optional<std::string> scenario;  ///< a plant that deviates from the model
+  double times = 1.0;                   ///< factor on that deviation
 };
 
-/// What goes wrong with the planner's answers.
+/// Fault injection into the planner's answers.
 struct AnswerOptions {
-  double delay_ms = 0.0;  ///< each comes late, by at most this [ms]
-  double loss = 0.0;      ///< share of them that never comes
+  double delay_ms = 0.0;  ///< largest delay [ms]
+  double loss = 0.0;      ///< fraction lost
 };
 
-/// What `drive` writes.
+/// Output files of `drive`.
 struct FileOptions {
   std::optional<std::filesystem::path> trace;
   std::optional<std::filesystem::path> save_model;
@@ -59,15 +59,15 @@ struct PlanOptions {
   std::string robot = "mighty";
   std::string world = "flat";
   std::filesystem::path script;
-  double seconds = 1.0;  ///< how long the last line is held
+  double seconds = 1.0;  ///< how long the last line is held [s]
   ModeOptions modes;
-  std::optional<std::filesystem::path> out;  ///< folder for one file a motion
+  std::optional<std::filesystem::path> out;  ///< folder for one file per motion
 };
 
 struct VerifyOptions {
   std::filesystem::path motion;
-  std::optional<std::string> robot;  ///< instead of the file's
-  std::optional<std::string> world;  ///< instead of the file's
+  std::optional<std::string> robot;  ///< overrides the file's
+  std::optional<std::string> world;  ///< overrides the file's
 };
 
 struct ReproduceOptions {
@@ -80,14 +80,14 @@ struct OperateOptions {
   std::string robot = "mighty";
   std::string on = "sim";
   long seed = 0;
-  bool exact_start = false;   ///< from the world's start, not from a random one
-  bool foot_by_foot = false;  ///< down the steps, in any gait
-  double seconds = 240.0;     ///< the operator gives up then
+  bool exact_start = false;   ///< start at the world's start, not at a random pose
+  bool foot_by_foot = false;  ///< go down the steps foot by foot in any gait
+  double seconds = 240.0;     ///< time limit [s]
   ModeOptions modes;
   PhysicsOptions physics;
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> trace;
-  std::optional<std::filesystem::path> script;  ///< writes the stick as a script
+  std::optional<std::filesystem::path> script;  ///< script of the stick to write
 };
 
 struct SoakOptions {
@@ -98,13 +98,13 @@ struct SoakOptions {
   PhysicsOptions physics;
   AnswerOptions answers;
   std::optional<long> segments;
-  std::optional<double> hours;  ///< simulated
+  std::optional<double> hours;  ///< simulated time [h]
   long seed = 0;
   int jobs = 1;
-  std::optional<long> seeds;      ///< of a scenario
-  std::optional<double> episode;  ///< simulated time from one fresh start to the next [s]
+  std::optional<long> seeds;      ///< number of seeds of a scenario
+  std::optional<double> episode;  ///< simulated time per episode [s]
   bool resume = false;
-  std::optional<std::filesystem::path> report;  ///< needed but with a scenario
+  std::optional<std::filesystem::path> report;  ///< required unless there is a scenario
 };
 
 struct ReplayOptions {

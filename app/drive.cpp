@@ -24,7 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
-constexpr std::chrono::seconds kReload{3};  ///< a page that is gone for longer has been left
+constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
 void say_what_leads_out(const Stuck& stuck) {
@@ -37,7 +37,7 @@ void say_what_leads_out(const Stuck& stuck) {
                ways.empty() ? "" : fmt::format(", and {} leads out", fmt::join(ways, " or ")));
 }
 
-/// Shows how the robot fell until every page is left for good, or the program is interrupted.
+/// Shows the fallen robot until all pages are closed or the program is interrupted.
 void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, const Refusals& refusals) {
   if (view.pages() == 0) return;
   spdlog::info("the page shows the fall; to end, leave the page or press Ctrl-C");
@@ -49,7 +49,7 @@ void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, c
   }
 }
 
-/// @param live answers come when they are ready, and are dropped if that is too late; else at once
+/// @param live plan asynchronously, dropping late answers; else synchronously
 std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world, Modes modes, bool live) {
   if (live) return std::make_unique<PlanningThread>(robot, world, modes);
   return std::make_unique<DirectPlanning>(robot, world, modes);
@@ -133,7 +133,7 @@ int drive(const DriveOptions& o) {
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
-      session.step(Command{});  // the plan is cleared and the motors go soft: the last row says so
+      session.step(Command{});  // the plan is cleared and the motors go soft, visible in the last row
       break;
     }
     if (!o.fast) {
@@ -171,7 +171,7 @@ int drive(const DriveOptions& o) {
   try {
     finish();
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());  // a fall is shown, and is what the run ends with, all the same
+    spdlog::error("{}", error.what());  // a fall is still shown and decides the exit code
   }
   if (view) show_fall(*view, simulation, inputs, refusals);
   return kFallen;

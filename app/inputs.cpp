@@ -17,7 +17,7 @@ Inputs::Inputs(const std::string& choice, bool fast) : choice_(choice) {
     owned_.push_back(std::make_unique<Script>(Script::load(*file, interrupted)));
   } else if (choice == "joystick") {
     auto joystick = std::make_unique<Joystick>();
-    static_cast<void>(joystick->read(0.0));  // looks for one
+    static_cast<void>(joystick->read(0.0));  // searches for a joystick
     if (const DeviceStatus status = joystick->status(); !status.connected) {
       if (fast) throw InputError(fmt::format("--input joystick with --fast waits for nobody: {}", status.hint));
       spdlog::warn("--input joystick: there is none yet: {}", status.hint);
@@ -64,7 +64,7 @@ Command Inputs::read(double t) {
     const auto it = std::find_if(readings.begin(), readings.end(), fits);
     return it == readings.end() ? nullptr : &*it;
   };
-  // Anyone may stop; else who is in use stays in use, and a device at rest gives way to one that is not.
+  // Any device may stop. Otherwise the active device stays active until it is at rest and another one is not.
   const Reading* chosen = find([](const Reading& r) { return r.armed && r.command.recall == Recall::stop; });
   if (chosen == nullptr)
     chosen = find([&](const Reading& r) { return r.armed && r.device == active_ && !r.command.neutral(); });

@@ -1,4 +1,4 @@
-/// What is read: the devices that may drive, and which of them counts at the moment; what files name.
+/// Inputs of the program: the input devices, and which of them is in command.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace baton::app {
 
-/// What `load` returns.
-/// @param place file, and line, that names what is loaded: messages begin with it
+/// Returns `load()`; prefixes its errors with `place`.
+/// @param place file, and line, that refers to what is loaded
 template <typename Load>
 auto named_in(const std::string& place, const Load& load) {
   try {
@@ -26,18 +26,18 @@ auto named_in(const std::string& place, const Load& load) {
 class Inputs : public Device {
  public:
   /// @param choice auto, joystick, page or script:FILE
-  /// @param fast the run does not wait for the clock, and so not for a joystick to be plugged in
-  /// @throws InputError any other choice, a script that is not one, or a joystick that is not there with `fast`
+  /// @param fast the run is not in real time, so it cannot wait for a joystick
+  /// @throws InputError unknown choice, invalid script, or with `fast` no joystick
   Inputs(const std::string& choice, bool fast);
 
-  /// The page, if there is one, as a device; unused where the choice is a joystick or a script.
+  /// Adds the page as a device; ignored if the choice is a joystick or a script.
   void add_page(Device& page);
 
-  /// The script, if it is one.
+  /// The script's file, if the choice is a script.
   [[nodiscard]] std::optional<std::filesystem::path> script() const;
 
-  /// The newest command of the device that counts: the armed one that is in use, until it rests and another is not.
-  /// After a stop, what a live device still holds moves nothing until it has been let go of once.
+  /// The newest command of the active device: an armed one stays active until it is at rest and another one is not.
+  /// After a stop, a live device that is still deflected counts again only once it has been released.
   [[nodiscard]] Command read(double t) override;
 
   [[nodiscard]] DeviceStatus status() const override;
@@ -47,7 +47,7 @@ class Inputs : public Device {
   std::vector<std::unique_ptr<Device>> owned_;
   std::vector<Device*> devices_;
   const Device* active_ = nullptr;
-  std::vector<const Device*> held_;  ///< since a stop, not let go of yet
+  std::vector<const Device*> held_;  ///< still deflected since a stop
 };
 
 }  // namespace baton::app

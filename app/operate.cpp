@@ -18,7 +18,7 @@ int operate(const OperateOptions& o) {
   const World world = World::load(o.task);
   const Vec3 door = world.site("door_B").p;
 
-  // Somewhere on the stage, not quite facing the steps.
+  // A random place on the stage, not quite facing the steps.
   std::mt19937_64 random(static_cast<std::uint64_t>(o.seed));
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   Pose start = world.site("start");
@@ -44,7 +44,7 @@ int operate(const OperateOptions& o) {
   Kinematics kinematics(robot);
   Command last;
   bool first = true;
-  double held = 0.0;  // how long the hand has been at the door
+  double held = 0.0;  // time the hand has been at the door [s]
   double best = 0.0;
   double error = std::numeric_limits<double>::infinity();
   std::string_view doing;

@@ -1,4 +1,4 @@
-/// The values that options name.
+/// Option strings → values.
 #pragma once
 
 #include <string>
@@ -9,30 +9,30 @@
 
 namespace baton::app {
 
-/// The modes that options name.
+/// Planning modes from options.
 [[nodiscard]] Modes modes_of(const ModeOptions& options);
 
-/// The robot of this name or file, with another kind of drive than its profile's if one is named.
+/// Loads a robot by name or file; `drive` overrides its profile's drive.
 /// @throws InputError no such robot or drive
 [[nodiscard]] RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive);
 
-/// The robot with the drive that options or their scenario name.
+/// Loads a robot with the drive given by the options or their scenario.
 /// @throws InputError no such robot, drive or scenario
 [[nodiscard]] RobotModel robot_in(const PhysicsOptions& options, const std::string& name_or_file);
 
 /// sim or ideal.
 [[nodiscard]] Simulation::On on_named(const std::string& on);
 
-/// The plant that options name.
+/// The plant of the options' scenario.
 /// @param on sim or ideal
-/// @throws InputError a scenario where there is no physics, or no such scenario
+/// @throws InputError a scenario without physics, or no such scenario
 [[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
                                                        const std::string& on, long seed);
 
-/// What goes wrong with answers by these options.
+/// Answer faults from options.
 [[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options);
 
-/// Where the state of the robot comes from.
+/// Source of the state estimate.
 /// @throws InputError no such source
 [[nodiscard]] StateSource state_named(const std::string& name);
 

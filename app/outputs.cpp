@@ -9,7 +9,7 @@ namespace {
 
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code missing;
-  if (std::filesystem::is_character_file(a, missing)) return false;  // /dev/null takes anything
+  if (std::filesystem::is_character_file(a, missing)) return false;  // /dev/null can be shared
   if (std::filesystem::equivalent(a, b, missing)) return true;
   const auto name = [](const std::filesystem::path& file) {
     std::error_code ignored;

@@ -1,4 +1,4 @@
-/// What a run writes: trace, report and model, opened before it begins so that nothing is lost after it.
+/// Output files of a run: trace, report, model, recording. Opened before the run, so that errors show at once.
 #pragma once
 
 #include <chrono>
@@ -16,7 +16,7 @@
 
 namespace baton::app {
 
-/// The hand is at a place when it is as near as this [m].
+/// Position tolerance of a reached hand target [m].
 inline constexpr double kReached = 0.01;
 
 /// A file, and the option that names it.
@@ -25,36 +25,36 @@ struct NamedFile {
   std::optional<std::filesystem::path> file;
 };
 
-/// To be called before anything is written.
-/// @throws InputError one of `outputs` is the same file as another one or as one of `inputs`, whatever names they go by
+/// Call before anything is written.
+/// @throws InputError an output is the same file as another output or an input, under whatever name
 void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs);
 
-/// What a run reads, of files that have no option of their own among its outputs.
+/// Input files of robot and world, for `check_distinct`.
 /// @param robot as given to `--robot`
 [[nodiscard]] std::vector<NamedFile> files_read(const std::string& robot, const RobotModel& model, const World& world);
 
-/// Makes a folder, unless it is there.
-/// @throws InputError it cannot be made; the message names `option`
+/// Creates a folder if it does not exist.
+/// @throws InputError it cannot be created; the message names `option`
 void make_folder(const std::filesystem::path& folder, const std::string& option);
 
-/// Wall-clock time [s].
+/// Elapsed wall-clock time [s].
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
 class Outputs {
  public:
-  /// Observes the run from now on; it must not be stepped after the object is gone.
+  /// Observes the run from now on; do not step it after this object is destroyed.
   /// @throws InputError a file cannot be written
-  /// @throws std::runtime_error the model could not be written whole
+  /// @throws std::runtime_error the model was not written completely
   Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
-  /// Records the run besides, for `baton replay`.
-  /// @param head what the run is of
+  /// Also records the run, for `baton replay`.
+  /// @param head robot, world and modes of the run
   /// @throws InputError the file cannot be written
   void record(Session& session, const std::filesystem::path& file, const nlohmann::json& head);
 
-  /// Writes the report, with the members of `extra` added, and closes trace and recording; returns the report.
-  /// @throws std::runtime_error not all of that could be written whole: what could is
+  /// Writes the report with the members of `extra` added, closes trace and recording, and returns the report.
+  /// @throws std::runtime_error a file was not written completely; the others are
   nlohmann::json write(const std::string& world, const std::string& on, long seed, double wall,
                        const nlohmann::json& extra = nlohmann::json::object());
 

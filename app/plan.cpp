@@ -36,7 +36,7 @@ int plan(const PlanOptions& o) {
         entry["file"] = file.string();
       }
     } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {
-      if (record.request.start.context.goes_on) return;  // it is asked again at rest
+      if (record.request.start.context.goes_on) return;  // the request is repeated at rest
       entry["refused"] = to_json(*refusal);
     } else {
       return;

@@ -5,7 +5,7 @@
 namespace baton::app {
 namespace {
 
-constexpr int kStuck = 3;  ///< refusals of a part in a row after which the operator is told what leads out
+constexpr int kStuck = 3;  ///< consecutive refusals after which the operator is told the ways out
 
 }  // namespace
 
@@ -27,7 +27,7 @@ void Refusals::look(const Navigator& navigator) {
     if (command.recall == Recall::none) {
       const bool same_part = std::exchange(part_, command.guide) == command.guide;
       if (!same_part || times_ == 0) times_ = 0, changed_ = true;
-      if (std::exchange(changed_, false)) ++times_;  // a hand that trembles asks for the same
+      if (std::exchange(changed_, false)) ++times_;  // a trembling hand repeats the same request
       refused_ = command;
     }
   }

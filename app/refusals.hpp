@@ -1,4 +1,4 @@
-/// What was refused of late, for the log and the page.
+/// Recent refusals, for the log and the page.
 #pragma once
 
 #include <optional>
@@ -10,25 +10,25 @@ namespace baton::app {
 
 class Refusals {
  public:
-  /// To be called after every tick.
+  /// Call after every tick.
   void look(const Navigator& navigator);
 
-  /// The newest.
+  /// The newest refusal.
   [[nodiscard]] const std::optional<Refusal>& newest() const { return newest_; }
-  /// Since the start.
+  /// Number of refusals since the start.
   [[nodiscard]] int count() const { return count_; }
-  /// A part that was refused three times in a row, with no motion of any part since the first.
+  /// A part that was refused three times in a row without any motion in between.
   [[nodiscard]] const std::optional<Stuck>& stuck() const { return stuck_; }
 
  private:
   std::optional<Refusal> newest_;
   int count_ = 0;
-  Part part_ = Part::trunk;  ///< that was refused last
-  Command refused_;          ///< what was
-  bool changed_ = false;     ///< something else was asked for since
-  int times_ = 0;            ///< how often in a row
-  bool retrace_ = false;     ///< was refused since the last motion
-  bool home_ = false;        ///< the same
+  Part part_ = Part::trunk;  ///< last refused part
+  Command refused_;          ///< last refused command
+  bool changed_ = false;     ///< the command has changed since
+  int times_ = 0;            ///< consecutive refusals
+  bool retrace_ = false;     ///< retrace was refused since the last motion
+  bool home_ = false;        ///< going home was refused since the last motion
   std::optional<Stuck> stuck_;
 };
 

@@ -15,7 +15,7 @@
 namespace baton::app {
 namespace {
 
-/// Whether every bit is the same; a recording tells of what is not a number only that.
+/// Whether all bits are equal; a recording does not keep the bits of a NaN.
 bool same_bits(const VecX& a, const VecX& b) {
   const auto same = [](double x, double y) {
     return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) || (std::isnan(x) && std::isnan(y));

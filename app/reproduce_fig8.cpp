@@ -21,17 +21,17 @@ constexpr double kSoleHalfWidth = 0.036;  ///< [m]
 constexpr double kSoleHalfLength = 0.05;  ///< [m]
 constexpr double kStride = 0.03;          ///< of the right foot, to the right, twice [m]
 constexpr std::array<double, 3> kShares{0.20, 0.36, 0.44};
-constexpr double kFirst = 0.5, kStep = 0.1, kLast = 3.0, kPeriod = 0.005;  ///< durations and tick [s]
+constexpr double kFirst = 0.5, kStep = 0.1, kLast = 3.0, kPeriod = 0.005;  ///< durations and tick period [s]
 const double kOmega = std::sqrt(9.81 / kComHeight);                        ///< [rad/s]
 
 /// One step of the right foot.
 struct Step {
   double left = 0.0, right = 0.0,
-         landing = 0.0;  ///< y of the left foot, of the right one before and after [m]
+         landing = 0.0;  ///< y of the left foot, and of the right foot before and after [m]
 
   [[nodiscard]] double start() const { return 0.5 * (left + right); }
   [[nodiscard]] double goal() const { return 0.5 * (left + landing); }
-  /// y of the soles that stand in phase `i`.
+  /// y of the stance soles in phase `i`.
   [[nodiscard]] std::vector<double> standing(std::size_t i) const {
     if (i == 1) return {left};
     return {left, i == 0 ? right : landing};
@@ -41,7 +41,7 @@ struct Step {
 ComProblem problem_of(const Step& step) {
   ComProblem problem;
   problem.omega = kOmega;
-  // On this height the ZMP is the foot point of the VRP.
+  // At this height the ZMP is the VRP's projection onto the ground.
   const auto at = [](double y) { return Vec3(0, y, kGravity / (kOmega * kOmega)); };
   problem.p0 = at(step.start());
   problem.goal = at(step.goal());
@@ -60,11 +60,11 @@ ComProblem problem_of(const Step& step) {
   return problem;
 }
 
-/// What a plan does, found without the planner's closed forms and polygons: p̈ = ω²(p − v) integrated from the
-/// knots (Runge-Kutta, 1 ms), the ZMP compared with the soles' edges at every instant.
+/// Checks a plan without the planner's closed forms and polygons: integrates p̈ = ω²(p − v) from the knots
+/// (Runge-Kutta, 1 ms) and compares the ZMP with the soles' edges at each step.
 struct Check {
   bool at_rest = false;   ///< ends at rest at the goal
-  double outside = 0.0;   ///< furthest that the ZMP leaves the support, 0 if never [m]
+  double outside = 0.0;   ///< largest excursion of the ZMP out of the support [m]
   std::vector<Vec2> com;  ///< (t, y)
   std::vector<Vec2> zmp;
 };
@@ -88,7 +88,7 @@ Check integrate(const Step& step, const ComPath& path) {
     const double zmp = v(t);
     check.com.emplace_back(t, x[0]);
     check.zmp.emplace_back(t, zmp);
-    for (std::size_t i = 0; i < kShares.size(); ++i) {  // at a border both supports count
+    for (std::size_t i = 0; i < kShares.size(); ++i) {  // at a phase boundary both supports count
       if (t < times[i] - 1e-9 || t > times[i + 1] + 1e-9) continue;
       const std::vector<double> y = step.standing(i);
       check.outside = std::max({check.outside, *std::min_element(y.begin(), y.end()) - kSoleHalfWidth - zmp,
@@ -112,7 +112,7 @@ nlohmann::json knots_of(const ComPath& path) {
   return knots;
 }
 
-/// Adds a step that begins at `t0` [s] to the picture.
+/// Adds a step that starts at `t0` [s] to the plot.
 void show(Panel& panel, const Step& step, const ComPath& path, double t0, Stroke stroke) {
   const Check check = integrate(step, path);
   const std::vector<double>& times = path.times();

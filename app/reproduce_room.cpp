@@ -20,9 +20,9 @@ namespace baton::app {
 namespace {
 
 constexpr int kSnapshots = 8;
-constexpr double kAfter = 2.0;  ///< how long the run goes on after the script's last line [s]
+constexpr double kAfter = 2.0;  ///< time the run continues after the script's last line [s]
 
-/// What the figures show of a run, in the world.
+/// Data of a run for the figures, in the world frame.
 struct Loci {
   std::vector<double> t;
   std::vector<Vec3> com;
@@ -101,8 +101,7 @@ int reproduce_room(const std::filesystem::path& out) {
   Outputs outputs(simulation, out / "room_report.json", out / "room.csv", out / "room.xml");
   write_whole(out / "room.jsonl", "--out", read_input(script_file, "script"));
   SimulatedRobot& body = *simulation.simulated();
-  const ModelPtr drawn =
-      compile_text(simulation.model_text(), "scene");  // the simulator's has nothing that is only seen
+  const ModelPtr drawn = compile_text(simulation.model_text(), "scene");  // the simulator's model lacks visual geoms
   Picture picture(*drawn, 640, 480);
 
   Kinematics kinematics(robot);

@@ -20,14 +20,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kBefore = 1.0;     ///< rest at the beginning [s]
-constexpr double kWalks = 55.0;     ///< for which the stick is held [s]
-constexpr double kAfter = 4.0;      ///< in which the robot comes to rest [s]
-constexpr double kReplans = 0.7;    ///< from one change of mind to the next [s]
-constexpr double kMostTilt = 10.0;  ///< what a walk is held to [deg]
-constexpr double kMostOff = 0.03;   ///< [m]
+constexpr double kBefore = 1.0;     ///< initial rest [s]
+constexpr double kWalks = 55.0;     ///< time the stick is held [s]
+constexpr double kAfter = 4.0;      ///< time to come to rest [s]
+constexpr double kReplans = 0.7;    ///< interval between changes of the command [s]
+constexpr double kMostTilt = 10.0;  ///< limit on the trunk's tilt [deg]
+constexpr double kMostOff = 0.03;   ///< limit on the end position error [m]
 
-/// A stick held for some time: forward, left, turn.
+/// A command held for some time: forward, left, turn.
 struct Leg {
   double seconds;
   Vec3 stick;
@@ -36,10 +36,10 @@ struct Leg {
 struct Walk {
   std::string name;
   std::string world;
-  std::vector<Leg> legs;  ///< over and over
+  std::vector<Leg> legs;  ///< repeated
 };
 
-/// Of someone who changes his mind all the time: anywhere, or more or less ahead, and then back.
+/// Random changes of direction: anywhere, or roughly ahead, and then back.
 std::vector<Leg> replanned(Dice& dice, bool on_steps) {
   std::vector<Leg> legs;
   for (double t = 0.0; t < kWalks; t += kReplans) {
@@ -82,13 +82,13 @@ Script script_of(const Walk& walk) {
   return Script(std::move(entries), walk.name);
 }
 
-/// What came of a walk.
+/// Result of a walk.
 struct Outcome {
   Json report;
-  std::vector<Vec2> path;  ///< of the COM, in the world
-  std::vector<Vec2> led;   ///< where its motions would have taken it if no sole had slid
-  double off = 0.0;        ///< how far apart they are at the end [m]
-  double turned = 0.0;     ///< and the headings of the trunk [rad]
+  std::vector<Vec2> path;  ///< COM path, world frame
+  std::vector<Vec2> led;   ///< path its motions would have led to without slip
+  double off = 0.0;        ///< distance between both at the end [m]
+  double turned = 0.0;     ///< difference of trunk headings at the end [rad]
 };
 
 Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
@@ -100,7 +100,7 @@ Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
   Hooks hooks;
   hooks.tick = [&](const TickRecord& record) {
     const Navigator& navigator = record.navigator;
-    if (navigator.motion() == nullptr) return;  // at rest it forgets where it was to be
+    if (navigator.motion() == nullptr) return;  // at rest the accumulated slip is dropped
     kinematics.set(navigator.sample().q);
     const Pose led{navigator.way() * kinematics.com(), navigator.way().R * kinematics.trunk().R};
     kinematics.set(record.truth->q);

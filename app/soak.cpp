@@ -21,9 +21,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-constexpr long kEnough = 1000;  ///< failures after which there is no use in going on
+constexpr long kEnough = 1000;  ///< failures after which the soak ends
 
-/// The report of a soak: what was asked, what it came to, and how to go on.
+/// The report of a soak: settings, totals, and state to resume from.
 class SoakReport {
  public:
   SoakReport(const SoakOptions& o, const RobotModel& robot, const World& world)
@@ -43,8 +43,8 @@ class SoakReport {
                {"episode_s", o.episode.value_or(Trial{}.seconds)}}),
         period_(robot.profile().tick.period) {}
 
-  /// Goes on from the file, if there is one.
-  /// @throws InputError it is no report of a soak, or that of another one
+  /// Resumes from the file, if it exists.
+  /// @throws InputError the file is not a soak report, or one of another soak
   void resume() {
     std::error_code ignored;
     if (!std::filesystem::exists(file_, ignored)) return;
@@ -82,7 +82,7 @@ class SoakReport {
   double wall_before_ = 0.0;
 };
 
-/// A line on standard error, now and then.
+/// Prints progress to standard error from time to time.
 class Progress {
  public:
   explicit Progress(const Tally& before) : segments_(before.segments) {}
@@ -165,7 +165,7 @@ int soak(const SoakOptions& o) {
   };
 
   Progress progress(tally);
-  report.write(0.0, o.jobs);  // whether it can be, before the work is done
+  report.write(0.0, o.jobs);  // fail before the work if it cannot be written
   double written = 0.0;
   if (done() < 1.0) {
     Crew crew(episodes, tally.episodes, o.jobs);

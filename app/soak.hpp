@@ -1,4 +1,4 @@
-/// What the kinds of soak share.
+/// Shared by all kinds of soak tests.
 #pragma once
 
 #include "app/commands.hpp"
@@ -6,8 +6,8 @@
 
 namespace baton::app {
 
-/// Writes the stick of an episode that went wrong, and says how to see it again.
-/// @param seed of its plant and of what goes wrong with answers
+/// Writes the stick of a failed episode and prints how to replay it.
+/// @param seed seed of the plant and of answer faults
 void write_replay(const SoakOptions& options, const Episodes& episodes, const EpisodeResult& result, double period,
                   long seed);
 

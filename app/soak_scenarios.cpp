@@ -17,19 +17,19 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What the episodes of one scenario came to.
+/// Totals over the episodes of one scenario.
 struct Row {
   std::string name;
   long tried = 0;
   long fell = 0;
   double seconds = 0.0;
-  double upright = 0.0;  ///< of them, of those that did not fall [s]
+  double upright = 0.0;  ///< total time of episodes without a fall [s]
   Tally tally;
-  double tilt = 0.0;            ///< the largest of the trunk [deg]
-  std::array<double, 4> rms{};  ///< of the COM, soles, hands, ZMP [m]: sums of squares by time, until `json`
-  double estimate = 0.0;        ///< the largest error of the trunk's place, as share of the way it came
-  double drift = 0.0;           ///< the largest change of the COM's height, from the first rest to the last [m]
-  std::vector<long> seeds;      ///< of those that fell, or of whose run an exception made an end
+  double tilt = 0.0;            ///< largest trunk tilt [deg]
+  std::array<double, 4> rms{};  ///< of COM, soles, hands, ZMP [m]; time-weighted sums of squares until `json`
+  double estimate = 0.0;        ///< largest error of the trunk's estimated position, relative to distance travelled
+  double drift = 0.0;           ///< largest change of COM height from first to last rest [m]
+  std::vector<long> seeds;      ///< seeds of episodes that ended by a fall or an exception
 
   void add(const EpisodeResult& result, long seed, double period);
   [[nodiscard]] double root(std::size_t what) const { return upright > 0.0 ? std::sqrt(rms[what] / upright) : 0.0; }
@@ -48,7 +48,7 @@ void Row::add(const EpisodeResult& result, long seed, double period) {
   const double lasted = static_cast<double>(result.ticks) * period;
   seconds += lasted;
   tally.add(result.tally);
-  if (falls) return;  // what a body on its back does is not tracking
+  if (falls) return;  // after a fall there is no tracking to measure
   upright += lasted;
   tilt = std::max(tilt, result.summary.at("tilt_deg_max").get<double>());
   const Json& tracking = result.summary.at("tracking");

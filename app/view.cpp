@@ -10,8 +10,8 @@
 namespace baton::app {
 namespace {
 
-constexpr double kSlipShows = 2.0;  ///< of having slipped, for which the operator is told [s]
-constexpr double kShows = 0.2;      ///< of being pushed off its way before the operator is told [s]
+constexpr double kSlipShows = 2.0;  ///< time that a slip is shown to the operator [s]
+constexpr double kShows = 0.2;      ///< time off the plan before the operator is told [s]
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// What the page shows of a session.
+/// Publishes a session to the page.
 #pragma once
 
 #include <string>
@@ -17,10 +17,10 @@ class View {
   [[nodiscard]] std::string url() const { return cockpit_.url(); }
   [[nodiscard]] Device& device() { return cockpit_.device(); }
 
-  /// How many pages are open.
+  /// Number of open pages.
   [[nodiscard]] std::size_t pages() const { return cockpit_.pages(); }
 
-  /// Shows the present moment, at most 30 times a second of the run.
+  /// Publishes the current state, at most 30 times per second of run time.
   void show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals);
 
  private:
@@ -28,13 +28,13 @@ class View {
   DataPtr data_;
   Cockpit cockpit_;
   double shown_ = -1.0;
-  double steady_ = 0.0;    ///< when it was last not pushed off its way [s]
-  long caught_ = 0;        ///< steps that were to catch it, until then
-  double slipped_ = -1e9;  ///< when it was found to have slipped last [s]
+  double steady_ = 0.0;    ///< last time without a push [s]
+  long caught_ = 0;        ///< capture steps until then
+  double slipped_ = -1e9;  ///< time of the last detected slip [s]
   double segment_start_ = 0.0;
 };
 
-/// What the robot does, in a word.
+/// What the robot is doing.
 [[nodiscard]] Activity activity(const Session& session);
 
 }  // namespace baton::app

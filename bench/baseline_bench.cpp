@@ -1,4 +1,4 @@
-// The same random sticks for velocity tracking and for baton: which goes bankrupt, after how long, and why.
+// Velocity tracking and baton on the same random sticks: which fails, after how long, and why.
 #include <fmt/format.h>
 
 #include "baton/ik/stand.hpp"
@@ -12,8 +12,8 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kSeconds = 30.0;   ///< of a script
-constexpr double kPatience = 60.0;  ///< for ours [s]
+constexpr double kSeconds = 30.0;   ///< length of a script [s]
+constexpr double kPatience = 60.0;  ///< time limit for our runs [s]
 
 struct Bankruptcy {
   double t;

@@ -1,4 +1,4 @@
-/// A small harness: thread CPU time of single calls, and other quantities, as median, 99th percentile and worst.
+/// A small benchmark harness: median, 99th percentile and worst value of per-call CPU time and other quantities.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace baton::bench {
 
 struct Row {
   std::string name;
-  std::vector<double> values;  ///< of each call
+  std::vector<double> values;  ///< one per call
   std::string remark;
   std::string unit = "us";
 
@@ -27,7 +27,7 @@ struct Row {
   }
 };
 
-/// "12 this, 3 that", the most frequent first.
+/// "12 this, 3 that", most frequent first.
 inline std::string counted(const std::map<std::string, int>& count) {
   std::vector<std::pair<int, std::string>> sorted;
   sorted.reserve(count.size());
@@ -40,7 +40,7 @@ inline std::string counted(const std::map<std::string, int>& count) {
   return text;
 }
 
-/// Times one call; what it computes must be used by the caller.
+/// Times one call; the caller must use its result.
 inline void time(Row& row, const std::function<void()>& call) {
   const double before = cpu_us();
   call();
@@ -49,9 +49,9 @@ inline void time(Row& row, const std::function<void()>& call) {
 
 struct Options {
   int scripts =
-      0;  ///< of the comparison with a baseline; 0: 1,000 for the baseline, of ours as many as fit in a minute
-  std::string robot = "mighty";  ///< of the latencies
-  int trials = 1000;             ///< the same
+      0;  ///< scripts for the baseline comparison; 0: 1,000 for the baseline, as many of ours as fit in a minute
+  std::string robot = "mighty";  ///< for the latencies
+  int trials = 1000;             ///< for the latencies
 };
 
 using Rows = std::vector<Row>;

@@ -1,4 +1,4 @@
-// Durations against the least that any point mass needs, and what stands in the way of shorter ones.
+// Durations against the lower bound of the point mass, and why shorter ones fail.
 #include <fmt/format.h>
 
 #include <map>
@@ -13,7 +13,7 @@ namespace baton::bench {
 namespace {
 
 constexpr int kGoals = 1000;
-constexpr std::size_t kWhole = 150;  ///< of them with the whole body
+constexpr std::size_t kWhole = 150;  ///< tasks planned with the whole body
 
 std::string name_of(const std::optional<Refusal>& refusal) {
   if (!refusal) return "nothing";

@@ -7,13 +7,13 @@
 namespace baton::bench {
 namespace {
 
-/// A posture at rest, or none if the joints do not allow it.
+/// A random posture at rest; none if the joints do not allow it.
 std::optional<Posture> random_posture(const RobotModel& robot, const Posture& home, InverseKinematics& ik, Draw& draw) {
   const Profile& profile = robot.profile();
   const Profile::Region& region = profile.region;
   Posture wish = home;
   const Side side = draw.chance(0.5) ? Side::left : Side::right;
-  if (draw.chance(0.8)) {  // else the feet stay side by side
+  if (draw.chance(0.8)) {  // else keep the feet side by side
     const double yaw = draw.real(-0.5, 0.5) * region.foot_yaw;
     wish.sole[side].p = wish.sole[other(side)].p + Vec3(draw.real(-region.stride, region.stride),
                                                         sign_of(side) * draw.real(region.foot_lateral), 0);
@@ -32,7 +32,7 @@ std::optional<Posture> random_posture(const RobotModel& robot, const Posture& ho
   if (rest.empty()) return std::nullopt;
   Vec2 com = wish.contact[side] ? Vec2(0.5 * (wish.sole.left.p + wish.sole.right.p).head<2>())
                                 : Vec2(wish.sole[other(side)].p.head<2>());
-  if (draw.chance(0.7)) {  // else where motions leave it
+  if (draw.chance(0.7)) {  // else where motions leave the COM
     do {
       com = {draw.real(-0.2, 0.2), draw.real(-0.2, 0.2)};
     } while (rest.margin(com) < 0.0);
@@ -91,7 +91,7 @@ std::vector<Task> level_tasks(const RobotModel& robot, const World& world, int c
     if (goals == nullptr) continue;
     Goal goal = (*goals)[static_cast<std::size_t>(draw.below(static_cast<int>(goals->size())))];
     goal.com.z() = from->com.z();
-    constexpr double kSame = 1e-3;  // a COM that hardly moves asks nothing of the ZMP [m]
+    constexpr double kSame = 1e-3;  // a COM that hardly moves does not challenge the ZMP [m]
     if (!goal.swing && (goal.com - from->com).norm() < kSame) continue;
     tasks.push_back({*from, std::move(goal)});
   }

@@ -1,4 +1,4 @@
-/// Goals to plan for, drawn at random: what the guide makes of a random command in a random posture.
+/// Random planning tasks: the guide's goals for random commands in random postures.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ struct Task {
   Goal goal;
 };
 
-/// Steps, lifts, landings, shifts of the weight and reaches that need one, on level ground, the COM as high at the end
-/// as at the start. The robot rests: feet somewhere in their regions (or one in the air), COM somewhere in the stand-on
-/// region, trunk upright, arms at home. Nothing says that a motion exists.
+/// Steps, lifts, landings, weight shifts, and reaches that need a weight shift, on level ground with equal COM height
+/// at start and end. The robot is at rest: feet anywhere in their regions (or one in the air), COM anywhere in the
+/// stand-on region, trunk upright, arms at home. A feasible motion may not exist.
 /// @param world level
 [[nodiscard]] std::vector<Task> level_tasks(const RobotModel& robot, const World& world, int count, std::uint64_t seed);
 

@@ -9,7 +9,7 @@ namespace {
 constexpr double kHeld = 0.02;      ///< [s]
 constexpr double kPosition = 1e-3;  ///< of feet and COM [m]
 constexpr double kRotation = 1e-2;  ///< of the feet [rad]
-constexpr double kRounding = 1e-6;  ///< of a joint's range [rad], and speed [share]
+constexpr double kRounding = 1e-6;  ///< tolerance on a joint's range [rad] and speed [relative]
 
 }  // namespace
 
@@ -60,7 +60,7 @@ std::optional<Cause> Judge::see(const VecX& q, const BySide<Pose>& sole, const V
     joint = joint || now.q[7 + i] < limits.position.lo - kRounding || now.q[7 + i] > limits.position.hi + kRounding ||
             std::abs(dq_[6 + i]) > limits.motor.no_load * (1.0 + kRounding);
   }
-  if (ticks_++ % held_ == 0) {  // takes as long as all the rest
+  if (ticks_++ % held_ == 0) {  // as expensive as all other checks
     constexpr double kNear = 1e-3;
     collides_ =
         kinematics_.self_distance(kNear) < 0.0 || separation(sole_outline(*robot_, Side::left, soles.left),

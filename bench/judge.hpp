@@ -1,4 +1,4 @@
-/// When a motion is bankrupt: seen from outside, the same for whoever made it.
+/// Detects failed motions by the same external criteria for every controller.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 namespace baton::bench {
 
 enum class Cause {
-  following,  ///< feet or COM are not where they should be
-  joint,      ///< a joint beyond its range or its speed
-  collision,  ///< links, or soles, in each other
-  zmp,        ///< the whole body's ZMP out of the support: it tips over
+  following,  ///< feet or COM are off their targets
+  joint,      ///< a joint exceeds its range or speed
+  collision,  ///< links or soles penetrate each other
+  zmp,        ///< whole-body ZMP outside the support: the robot tips over
 };
 inline constexpr std::size_t kCauses = 4;
 
@@ -22,17 +22,17 @@ inline constexpr std::size_t kCauses = 4;
   return names[static_cast<std::size_t>(cause)];
 }
 
-/// Looks at one configuration after another. Without any of a plan's margins: what is bankrupt here is so on the robot.
-/// Each cause must last for 20 ms on end, so that a single tick's rounding does not count.
+/// Judges one configuration after another, without the plan's margins: a failure here is one on the robot. A cause must
+/// last 20 ms, so that the rounding of a single tick does not count.
 class Judge {
  public:
-  /// @param robot must outlive the object
+  /// @param robot must outlive this object
   explicit Judge(const RobotModel& robot);
 
   /// @param q configuration at this tick
-  /// @param sole, com where they should be at this tick
-  /// @param contact soles that are meant to stand then
-  /// @returns the cause, if the robot has just become bankrupt
+  /// @param sole, com targets at this tick
+  /// @param contact intended stance soles
+  /// @returns the cause, if the robot has just failed
   std::optional<Cause> see(const VecX& q, const BySide<Pose>& sole, const Vec3& com, const BySide<bool>& contact);
 
  private:
@@ -47,8 +47,8 @@ class Judge {
   const RobotModel* robot_;
   Kinematics kinematics_;
   double dt_;
-  int held_;                           ///< ticks that a cause must last
-  std::optional<Seen> last_, before_;  ///< the middle one is judged: its derivatives need both neighbours
+  int held_;                           ///< least ticks a cause must last
+  std::optional<Seen> last_, before_;  ///< the middle sample is judged: its derivatives need both neighbours
   std::array<int, kCauses> since_{};
   long ticks_ = 0;
   bool collides_ = false;

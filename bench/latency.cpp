@@ -14,10 +14,10 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kDifferent = 1e-9;  ///< of a joint target [rad]
-constexpr double kRest = 1.0;        ///< waited for a motion, beyond the longest that may be under way [s]
+constexpr double kDifferent = 1e-9;  ///< threshold on joint targets [rad]
+constexpr double kRest = 1.0;        ///< wait for a motion, beyond the longest one under way [s]
 
-/// One run, tick by tick.
+/// A run, tick by tick.
 struct Run {
   Run(const RobotModel& robot, const World& world, const Posture& start)
       : navigator(robot, world, start), body(robot, start, robot.profile().tick.period) {}
@@ -31,14 +31,14 @@ struct Run {
 
   Navigator navigator;
   IdealRobot body;
-  VecX q;  ///< the joint target of this tick
+  VecX q;  ///< joint target of this tick
 };
 
 bool differ(const Run& a, const Run& b) {
   return (a.q - b.q).cwiseAbs().maxCoeff() > kDifferent;
 }
 
-/// One of the part's axes full, or full in a direction of the plane; a foot may be lifted.
+/// Full deflection of one axis, or in a horizontal direction; a foot may be lifted.
 Command deflected(Draw& draw, const Guide& guide, Part part) {
   Command command;
   command.guide = part;
@@ -58,7 +58,7 @@ Part any_part(Draw& draw) {
   return kParts[static_cast<std::size_t>(draw.below(5))];
 }
 
-/// What the stick did until the change: nothing yet, or let go of; walking; a foot; a hand; one part, then another.
+/// The stick before the change: centred, or released; walking; a foot; a hand; one part, then another.
 std::vector<Stretch> prelude(Draw& draw, const Guide& guide) {
   std::vector<Stretch> script;
   const auto add = [&](double least, double most, const Command& command) {
@@ -87,7 +87,7 @@ std::vector<Stretch> prelude(Draw& draw, const Guide& guide) {
   return script;
 }
 
-/// Another part, or at least 60° away.
+/// Another part, or a direction at least 60° different.
 bool really_different(const Command& a, const Command& b) {
   return a.guide != b.guide || a.axes.dot(b.axes) <= 0.5 * a.axes.norm() * b.axes.norm();
 }
@@ -127,7 +127,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
     for (; static_cast<double>(tick) * period < stretch.until; ++tick) {
       for (Run* run : {&changed, &held, &unanswered})
         run->tick(stretch.command);
-      // They are the same so far: what is planned for one is the answer for all.
+      // The runs are identical so far, so one answer serves all.
       const std::optional<Request> request = changed.navigator.request();
       if (!request) continue;
       const Answer result = planning.plan(*request);

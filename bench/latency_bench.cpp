@@ -1,4 +1,4 @@
-// From a change of the command to the first joint target that is different for it, by where the change finds the robot.
+// Latency from a change of the command to the first joint target affected, by the robot's state at the change.
 #include "bench/latency.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kBound = 0.15;  ///< what the 99th percentile is to stay within [s]
+constexpr double kBound = 0.15;  ///< limit on the 99th percentile [s]
 
 Row told(const std::string& name, const std::vector<Change>& all, bool (*counts)(const Change&)) {
   Row row{"latency: " + name, {}, "", "ms"};

@@ -13,7 +13,7 @@ constexpr int kIntervals = 100;  ///< at least
 constexpr double kExact = 1e-6;  ///< of the boundary rows [m]
 constexpr int kMostCourses = 2000;
 
-/// The linear program for one duration, its intervals' polygons given.
+/// The linear program for one duration, given the polygon of each interval.
 class Program {
  public:
   Program(const ComProblem& problem, double period) : problem_(&problem), period_(period) {
@@ -30,16 +30,16 @@ class Program {
   }
 
   [[nodiscard]] const ConvexPolygon& inside(std::size_t phase) const { return inside_[phase]; }
-  /// The hull of all: what an interval has that belongs to no phase for certain.
+  /// Hull of all polygons, for intervals whose phase is uncertain.
   [[nodiscard]] const ConvexPolygon& either() const { return either_; }
 
-  /// Column generation: a column is what one whole course of the ZMP, at a vertex in each interval, does to the two
-  /// boundary rows of x and y; sought is a mixture of courses that meets them. The prices of the rows say which course
-  /// would help most; once even that one falls short of them, none does.
+  /// Column generation. A column is the effect of one ZMP trajectory, at a vertex in each interval, on the two boundary
+  /// rows of x and y; a convex combination must satisfy them. The dual prices yield the best trajectory to add; if even
+  /// that one does not help, the program is infeasible.
   /// @param polygon_at of each tick
   template <typename PolygonAt>
   [[nodiscard]] bool feasible(int ticks, const PolygonAt& polygon_at) const {
-    const int parts = (kIntervals + ticks - 1) / ticks;  // intervals a tick
+    const int parts = (kIntervals + ticks - 1) / ticks;  // intervals per tick
     const int n = parts * ticks;
     const double h = period_ / parts;
     const double T = ticks * period_;
@@ -57,7 +57,7 @@ class Program {
     Eigen::Vector4d wanted;
     wanted << p0 + speed - decay * goal, goal - decay * (p0 - speed);
 
-    // Rows: the four, and that the shares of the courses add up to 1. Columns: what is missing, at a cost, and courses.
+    // Rows: the four boundary rows, and that weights sum to 1. Columns: slacks, at a cost, and trajectories.
     constexpr std::array<int, 5> kRows{0, 1, 2, 3, 4};
     constexpr double kFree = 1e30;
     ClpSimplex lp;
@@ -123,8 +123,8 @@ std::optional<int> least_ticks(const ComProblem& problem, std::optional<std::siz
   const int before = swing ? static_cast<int>(*swing) : 0;  // phases before the swing: 0 or 1
   const int after = swing ? phases - 1 - before : 0;
   const auto begins_between = [&](const auto& self, int ticks, int lo, int hi) -> bool {
-    // The swing begins at a tick of lo … hi: certain are the first phase until lo, the swing from hi to lo + its time,
-    // the last phase from hi + its time.
+    // The swing starts at a tick in lo … hi. Certain are the first phase until lo, the swing from hi to lo + swing
+    // time, and the last phase from hi + swing time.
     const auto polygon = [&](int k) -> const ConvexPolygon& {
       if (!swing) return program.inside(0);
       if (k >= hi && k < lo + least_swing) return program.inside(*swing);
@@ -145,7 +145,7 @@ std::optional<int> least_ticks(const ComProblem& problem, std::optional<std::siz
     if (after == 0) return begins_between(begins_between, ticks, ticks - least_swing, ticks - least_swing);
     return begins_between(begins_between, ticks, 1, ticks - least_swing - 1);
   };
-  // A bracket about the guess, then bisection.
+  // Bracket around the guess, then bisect.
   int fails = least - 1;
   int works = longest + 1;
   int ticks = std::clamp(guess, least, longest);

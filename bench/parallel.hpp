@@ -1,4 +1,4 @@
-/// The same for many seeds, on all processors.
+/// Runs a function for many seeds on all processors.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace baton::bench {
 
-/// `run(seed)` for the seeds 1 … `count`, in their order; none is begun after `patience` [s]. `run` is called by
-/// several threads at a time.
+/// Results of `run(seed)` for seeds 1 … `count` in order; none is started after `patience` [s]. `run` must be
+/// thread-safe.
 template <typename Run>
 auto for_seeds(int count, double patience, const Run& run) {
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,5 @@
 // Planning with the paper's duration correction, before inverse kinematics: 1,000 steps, shifts, lifts and turns of the
-// point mass, of which many need several durations. The paper took 300 µs a segment.
+// point mass, many of which need several durations. The paper took 300 µs a segment.
 #include <fmt/format.h>
 
 #include <random>
@@ -24,7 +24,7 @@ Rows bench_plan(const Options& /*unused*/) {
     goal.sole = from.sole;
     goal.trunk = from.trunk;
     goal.arms = from.q.tail(robot.nv() - 6);
-    // Somewhere in its stand-on region, so that the weight has farther to go.
+    // Anywhere in the stand-on region, so that the weight shift is longer.
     from.com.y() += 0.06 * unit(random);
     from.com.x() += 0.03 * unit(random);
     const Side side = unit(random) > 0 ? Side::left : Side::right;

@@ -1,4 +1,4 @@
-// Whole runs: a tick of the navigator, a whole planning request, and physics with control against real time.
+// Whole runs: a navigator tick, a planning request, and physics with control relative to real time.
 #include <fmt/format.h>
 
 #include "baton/run/simulation.hpp"

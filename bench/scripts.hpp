@@ -1,4 +1,4 @@
-/// Sticks moved at random, for runs that anything may happen in.
+/// Random stick scripts.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace baton::bench {
 
-/// A command that holds until a time.
+/// A command held until a given time.
 struct Stretch {
   double until = 0.0;  ///< from the start of the script [s]
   Command command;
 };
 
-/// What a hand on the stick does: one or all axes, full or half way, held for seconds or moved hastily; guided parts
-/// changed at any time; feet lifted. The same seed gives the same script on every platform.
+/// A random script: one or all axes, full or half deflection, held for seconds or moved quickly; guided parts change at
+/// any time; feet are lifted. A seed gives the same script on every platform.
 [[nodiscard]] std::vector<Stretch> random_script(std::uint64_t seed, double seconds);
 
 }  // namespace baton::bench

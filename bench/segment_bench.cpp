@@ -1,5 +1,5 @@
-// One committed segment at a time: planned, corrected by the limbs' part in the ZMP, worked out at every tick and
-// verified, by both rules for its duration. The segments are those of random sticks on `ideal`.
+// Single committed segments: planned, corrected for the limbs' contribution to the ZMP, realised at every tick and
+// verified, with both duration rules. The segments come from random sticks on `ideal`.
 #include <fmt/format.h>
 
 #include "baton/run/simulation.hpp"

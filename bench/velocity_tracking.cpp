@@ -9,9 +9,9 @@
 namespace baton::bench {
 namespace {
 
-constexpr double kApproach = 0.2;   ///< time constant of going to a place, and of stopping before a limit [s]
+constexpr double kApproach = 0.2;   ///< time constant of approaching a target, and of stopping before a limit [s]
 constexpr double kOnGround = 1e-4;  ///< [m]
-constexpr double kClear = 5e-3;     ///< a careful foot goes sideways from this height on [m]
+constexpr double kClear = 5e-3;     ///< height above which a careful foot moves sideways [m]
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void VelocityTracking::tick(const Command& raw) {
   move_trunk(command, heading);
   move_hands(command, heading);
 
-  VecX q = q_;  // linearised where the joints would go by themselves, as the planner does
+  VecX q = q_;  // linearised at the extrapolated joint angles, as in the planner
   q.tail(robot_->nv() - 6) += (q_ - before_).tail(robot_->nv() - 6);
   q.head<3>() += (q_ - before_).head<3>();
   before_ = q_;

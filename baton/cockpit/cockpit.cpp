@@ -26,12 +26,12 @@
 namespace baton {
 namespace {
 
-/// A connection that sends no request, or half of one, holds a thread until it times out; these are many and that is
-/// short, so that hundreds of them do not keep pages out. The rest waits in the backlog.
-constexpr int kHttpThreads = 256;                  ///< beside one for each page
-constexpr const char* kHttpTimeout = "1000";       ///< for a request, and for a write that nobody takes [ms]
-constexpr const char* kBacklog = "1024";           ///< connections that wait for a thread
-constexpr const char* kWebSocketTimeout = "5000";  ///< of silence, then a ping [ms]
+/// A connection without a complete request holds a thread until it times out. Many threads and a short timeout keep
+/// hundreds of such connections from locking pages out; the rest waits in the backlog.
+constexpr int kHttpThreads = 256;                  ///< in addition to one per page
+constexpr const char* kHttpTimeout = "1000";       ///< for a request, and for a blocked write [ms]
+constexpr const char* kBacklog = "1024";           ///< connections waiting for a thread
+constexpr const char* kWebSocketTimeout = "5000";  ///< silence before a ping [ms]
 
 struct CivetwebLibrary {
   CivetwebLibrary() { mg_init_library(MG_FEATURES_WEBSOCKET); }
@@ -55,7 +55,7 @@ int respond(mg_connection* connection, int status, std::string_view type, std::s
       "Cross-Origin-Resource-Policy: same-origin\r\n"
       "X-Content-Type-Options: nosniff\r\n\r\n",
       status, mg_get_response_code_text(connection, status), type, body.size());
-  mg_disable_connection_keep_alive(connection);  // or it would read a body that comes as slowly as it likes
+  mg_disable_connection_keep_alive(connection);  // otherwise it would wait for a slow request body
   mg_write(connection, head.data(), head.size());
   const bool head_only = std::string_view(mg_get_request_info(connection)->request_method) == "HEAD";
   if (!head_only) mg_write(connection, body.data(), body.size());
@@ -66,7 +66,7 @@ int respond_text(mg_connection* connection, int status, std::string_view text) {
   return respond(connection, status, "text/plain; charset=utf-8", fmt::format("{}\n", text));
 }
 
-/// The only value of a header; nothing if it is missing. `repeated` is set when it comes more than once.
+/// The single value of a header; none if missing. Sets `repeated` if it occurs more than once.
 std::optional<std::string_view> header(const mg_request_info& request, const char* name, bool& repeated) {
   std::optional<std::string_view> value;
   for (int i = 0; i < request.num_headers; ++i) {
@@ -110,8 +110,7 @@ class Cockpit::Server {
       stopping_ = true;
     }
     frame_came_.notify_all();
-    // Ends civetweb's threads, and with them all pages. The one that listens looks up only every 2 s, or when
-    // somebody knocks.
+    // Ends civetweb's threads and all pages. The listening thread wakes only every 2 s or on a connection.
     const auto stopped = std::async(std::launch::async, [this] { context_.reset(); });
     while (stopped.wait_for(std::chrono::milliseconds(10)) != std::future_status::ready)
       knock();
@@ -135,12 +134,12 @@ class Cockpit::Server {
   }
 
  private:
-  /// A page, with the thread that sends to it: one that takes nothing holds up nobody else.
+  /// A page and its sending thread, so that a stalled page does not delay others.
   struct Page {
     PageDevice::Page number = 0;
     mg_connection* connection = nullptr;
     bool leaving = false;  ///< guarded by frame_mutex_, as is `errors`
-    std::string errors;    ///< newest complaint about what the page sent
+    std::string errors;    ///< newest error in the page's messages
     std::thread sender;
   };
 
@@ -161,7 +160,7 @@ class Cockpit::Server {
   const RobotModel& robot_;
   const std::string scene_;
   PageDevice device_;
-  std::string start_error_;  ///< what civetweb said first while it started
+  std::string start_error_;  ///< civetweb's first message during start
   std::atomic<bool> listening_{false};
 
   std::mutex frame_mutex_;
@@ -208,7 +207,7 @@ void Cockpit::Server::start() {
                                       "enable_websocket_ping_pong",
                                       "yes",
                                       "enable_auth_domain_check",
-                                      "no",  // `answer` looks at the host
+                                      "no",  // `answer` checks the host
                                       nullptr};
   context_.reset(mg_start(&callbacks, this, options.data()));
   if (!context_) {
@@ -237,7 +236,7 @@ void Cockpit::Server::knock() const {
   if (visitor != nullptr) mg_close_connection(visitor);
 }
 
-/// Every request comes through here first. 0 leaves it to the WebSocket's handler.
+/// First handler of every request. 0 passes it on to the WebSocket handler.
 int Cockpit::Server::answer(mg_connection* connection) {
   const mg_request_info& request = *mg_get_request_info(connection);
   if (!may_be_answered(request)) {
@@ -280,7 +279,7 @@ void Cockpit::Server::enter(mg_connection* connection) {
   entered.sender = std::thread([this, &entered] { send_states(entered); });
 }
 
-/// False closes the connection. Called on the page's own thread, as are `enter` and `leave`.
+/// False closes the connection. Called on the page's own thread, like `enter` and `leave`.
 bool Cockpit::Server::hear(const mg_connection* connection, int bits, std::string_view text) {
   constexpr int kFinal = 0x80;
   const int opcode = bits & 0x0F;
@@ -365,7 +364,7 @@ void Cockpit::Server::send_states(Page& page) {
       next = std::max(next + period, Clock::now());
       const std::optional<PageDevice::Page> driver = device_.driver();
       const Role role = driver == page.number ? Role::driver : Role::watcher;
-      // A driver has to know when its own stick does not count, whichever device is obeyed meanwhile.
+      // Tell a driver about its own stick, even if another device is in command.
       const DeviceStatus own = device_.status();
       const DeviceStatus& device = role == Role::driver && !own.armed ? own : frame->device;
       open = send(MG_WEBSOCKET_OPCODE_TEXT, state_message(*frame, device, robot_, role, driver.has_value()));

@@ -1,5 +1,5 @@
-/// The web page's server: HTTP and WebSocket on this machine alone, read by pages that this server itself
-/// gave out. One page drives, the others watch (docs/page.md).
+/// HTTP and WebSocket server of the web page. Serves this machine and its own pages only. One page drives, the others
+/// watch (docs/page.md).
 #pragma once
 
 #include <chrono>
@@ -16,20 +16,20 @@ namespace baton {
 class Cockpit {
  public:
   struct Parameters {
-    std::string host = "127.0.0.1";  ///< address to listen at: 127.0.0.1 (localhost) or [::1]
-    int port = 8080;                 ///< 0: any that is free
+    std::string host = "127.0.0.1";  ///< listening address: 127.0.0.1 (localhost) or [::1]
+    int port = 8080;                 ///< 0: any free port
     std::filesystem::path page{};    ///< folder of the built page
-    double period = 1.0 / 30.0;      ///< least time between two states for one page [s]
-    int pages = 8;                   ///< most pages at a time
-    /// By which the driver's silence is counted [s]; never goes back, and any thread calls it.
+    double period = 1.0 / 30.0;      ///< least time between two state messages to a page [s]
+    int pages = 8;                   ///< most simultaneous pages
+    /// Monotonic clock for the driver's heartbeat [s]; called by any thread.
     std::function<double()> clock = [] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
     };
   };
 
-  /// Listens from now on. `scene` is the world named `world` composed with the robot, as compiled; it is read
-  /// here and not kept. The robot must outlive the cockpit.
-  /// @throws InputError the host is not this machine; the port is out of range, in use, or may not be opened
+  /// Starts to listen. `scene` is the compiled model of robot and the world named `world`; it is not kept. `robot` must
+  /// outlive this object.
+  /// @throws InputError the host is not this machine; the port is out of range, in use or not permitted
   Cockpit(const Parameters& parameters, const RobotModel& robot, const std::string& world, const mjModel& scene);
   /// Closes all connections.
   ~Cockpit();
@@ -40,14 +40,13 @@ class Cockpit {
   /// Address of the page.
   [[nodiscard]] std::string url() const;
 
-  /// How many pages are open.
+  /// Number of open pages.
   [[nodiscard]] std::size_t pages() const;
 
-  /// Hands over the newest moment; the one before is dropped if it was not sent yet. Does not wait for any
-  /// page. Called by one thread.
+  /// Publishes the newest frame; replaces one not sent yet. Does not wait for pages. Call from one thread.
   void publish(Frame frame);
 
-  /// The driver's stick; any thread may read it.
+  /// The driver's stick; can be read by any thread.
   [[nodiscard]] Device& device();
 
  private:

@@ -1,4 +1,4 @@
-/// What the page shows of one moment of a run.
+/// One frame of a run, as shown on the page.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@
 
 namespace baton {
 
-/// What the robot does, in a word.
+/// What the robot is doing.
 enum class Activity : std::uint8_t {
   rest,
   moving,
-  stopping,   ///< to rest, as quickly as can be
-  retracing,  ///< on a way back: what was done last, backwards, or home
+  stopping,   ///< to rest as quickly as possible
+  retracing,  ///< retracing, or going home
   fallen,
 };
 
@@ -31,44 +31,44 @@ enum class Activity : std::uint8_t {
   return names[static_cast<std::size_t>(activity)];
 }
 
-/// A part that was refused again and again at one rest, and what leads away from there.
+/// A part that was refused repeatedly at the same rest, and the ways out.
 struct Stuck {
   Part part = Part::trunk;
   int times = 0;         ///< in a row
-  bool retrace = false;  ///< there is something to retrace, and that was not refused
+  bool retrace = false;  ///< there is a motion to retrace, and it was not refused
   bool home = false;     ///< going home was not refused
 };
 
-/// Places are in the frame of the scene, unless said otherwise.
+/// Positions are in the scene's frame unless stated otherwise.
 struct Frame {
   double t = 0.0;  ///< since the start of the run [s]
   Activity activity = Activity::rest;
-  std::vector<Pose> bodies;  ///< of every body of the scene, in its order, the world included
+  std::vector<Pose> bodies;  ///< all bodies of the scene in order, world included
 
-  Command command;      ///< the one that is obeyed
-  DeviceStatus device;  ///< of the device that it comes from
+  Command command;      ///< the active command
+  DeviceStatus device;  ///< source of that command
 
   /// The committed motion; empty at rest.
   struct Segment {
     std::optional<Goal> goal;
     double time = 0.0;             ///< since its start [s]
-    double duration = 0.0;         ///< of the whole motion [s]
-    std::optional<Refusal> limit;  ///< what spoke against the whole way, if it is only a part of that
+    double duration = 0.0;         ///< total [s]
+    std::optional<Refusal> limit;  ///< why the motion does only part of the request, if so
   } segment;
-  std::size_t history = 0;  ///< motions that can be retraced
+  std::size_t history = 0;  ///< number of motions that can be retraced
 
-  /// What the robot stands on, and how.
+  /// Contact and balance.
   struct Balance {
-    BySide<bool> contact{true, true};  ///< which soles stand
+    BySide<bool> contact{true, true};  ///< stance soles
     ConvexPolygon support;             ///< support polygon
-    double support_height = 0.0;       ///< of its plane [m]
+    double support_height = 0.0;       ///< height of the support plane [m]
     Vec3 com = Vec3::Zero();           ///< [m]
-    Vec2 zmp = Vec2::Zero();           ///< on the support polygon's plane [m]
-    Vec2 dcm = Vec2::Zero();           ///< seen from above [m]
+    Vec2 zmp = Vec2::Zero();           ///< on the support plane [m]
+    Vec2 dcm = Vec2::Zero();           ///< horizontal [m]
   } balance;
 
   std::optional<Refusal> refusal;  ///< the newest
-  int refusals = 0;                ///< their number since the start: tells a new one from an old one
+  int refusals = 0;                ///< number of refusals since the start; tells new from old
   std::optional<Stuck> stuck;
   std::string message;  ///< one sentence for the operator; may be empty
 };

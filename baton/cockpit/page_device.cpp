@@ -40,7 +40,7 @@ bool PageDevice::give(Page page, const Command& command, bool deadman) {
   const Command wanted = deadman ? sanitised(command) : Command{.guide = command.guide};
   const std::scoped_lock lock(mutex_);
   if (driver_ != page) return false;
-  // A silence counts, whether anybody read meanwhile or not.
+  // A silence counts even if nobody called `read` meanwhile.
   if (!heard() || (stops() && wanted.recall != Recall::stop)) arming_.update(false, false);
   heard_at_ = clock_();
   arming_.update(true, at_rest(wanted));
@@ -70,7 +70,7 @@ DeviceStatus PageDevice::status() const {
   return status;
 }
 
-/// Whether there is a driver that is not silent.
+/// Whether there is a driver and it is not silent.
 bool PageDevice::heard() const {
   return driver_ && clock_() - heard_at_ <= parameters_.silence;
 }

@@ -1,4 +1,4 @@
-/// The page as a device: one page drives, the others watch.
+/// The web page as an input device: one page drives, the others watch.
 #pragma once
 
 #include <cstdint>
@@ -12,37 +12,36 @@
 
 namespace baton {
 
-/// Pages are known by numbers. Every function may be called from any thread.
+/// Pages are identified by numbers. All functions are thread-safe.
 ///
-/// A page may be gone although its connection is not: hidden, frozen, behind a network that stalls. So its messages are
-/// its heartbeat, counted when they come in, by a clock of their own: the time of the run stands still while a tick is
-/// late, and hurries afterwards.
+/// A page can be gone while its connection lives: hidden, frozen, or behind a stalled network. So its messages serve as
+/// a heartbeat, timed on arrival by a separate clock: run time stands still while a tick is late, and catches up
+/// afterwards.
 class PageDevice final : public Device {
  public:
   using Page = std::uint64_t;
-  using Clock = std::function<double()>;  ///< [s], never goes back; any thread calls it
+  using Clock = std::function<double()>;  ///< monotonic [s]; called by any thread
 
   struct Parameters {
-    double silence = 0.25;  ///< a driver that said nothing for longer counts as gone [s, by the clock]
+    double silence = 0.25;  ///< a driver silent for longer counts as gone [s, by the clock]
   };
 
   /// @throws InputError `silence` is not positive
   PageDevice(Clock clock, const Parameters& parameters);
   explicit PageDevice(Clock clock) : PageDevice(std::move(clock), Parameters{}) {}
 
-  /// Gives the driver's seat to a page if it is free. True if the page drives now.
+  /// Gives the driver's seat to a page if it is free. Returns whether the page drives now.
   bool take(Page page);
-  /// Frees the seat if this page has it.
+  /// Frees the seat if this page holds it.
   void release(Page page);
   [[nodiscard]] std::optional<Page> driver() const;
 
-  /// What a page asks for; without the dead-man's hold it counts as centred. False if the page does not
+  /// Takes a page's command; without the dead-man switch it counts as centred. Returns false if the page does not
   /// drive.
   bool give(Page page, const Command& command, bool deadman);
 
-  /// The driver's newest command. Neutral, for the part chosen last, while there is no driver, when nothing
-  /// has come from it for `silence`, and from then on until it was at rest once; also after a stop, so that what is
-  /// still held then moves nothing. A stop itself counts at any time.
+  /// The driver's newest command. Neutral, for the part chosen last, without a driver, and after a `silence` or a stop
+  /// until the stick has been at rest once, so that what is still held moves nothing. A stop itself always counts.
   [[nodiscard]] Command read(double t) override;
 
   [[nodiscard]] DeviceStatus status() const override;
@@ -55,9 +54,9 @@ class PageDevice final : public Device {
   Parameters parameters_;
   mutable std::mutex mutex_;
   std::optional<Page> driver_;
-  Arming arming_;          ///< of the driver; absent while it is silent
-  double heard_at_ = 0.0;  ///< when the driver last said something [s, by the clock]
-  Command command_;        ///< its newest
+  Arming arming_;          ///< of the driver's stick; absent while silent
+  double heard_at_ = 0.0;  ///< time of the driver's last message [s, by the clock]
+  Command command_;        ///< newest
 };
 
 }  // namespace baton

@@ -1,4 +1,4 @@
-/// The built page as files to be served.
+/// Static files of the built page.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,15 @@
 
 namespace baton {
 
-/// The file of a folder that a request names. The folder's own listing is compared with the request, so no
-/// request can name a place outside.
+/// The file in a folder that a request names. The request is matched against the folder's listing, so it cannot reach
+/// outside.
 [[nodiscard]] std::optional<std::filesystem::path> file_in(const std::filesystem::path& folder,
                                                            std::string_view request);
 
-/// Content of a file; nothing if it cannot be read.
+/// Content of a file; none if unreadable.
 [[nodiscard]] std::optional<std::string> read_file(const std::filesystem::path& path);
 
-/// Content-Type by the file's extension.
+/// Content-Type by file extension.
 [[nodiscard]] std::string_view mime_type(const std::filesystem::path& file);
 
 }  // namespace baton

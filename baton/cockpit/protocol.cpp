@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Five decimals are enough to draw, and keep the message short. What is not a number becomes null.
+/// Rounded to five decimals, enough for drawing, to keep messages short. NaN becomes null.
 json number(double value) {
   return std::isfinite(value) ? json(std::round(value * 1e5) / 1e5) : json(nullptr);
 }
@@ -82,7 +82,7 @@ std::optional<Part> part_named(std::string_view name) {
   return found == kParts.end() ? std::nullopt : std::optional<Part>(*found);
 }
 
-/// Reads a list of `count` numbers; null is not a number. False if it is anything else.
+/// Reads a list of `count` numbers, null as NaN. False for anything else.
 template <typename Out>
 bool read_numbers(const json& message, const char* key, std::size_t count, Out&& out) {
   const auto found = message.find(key);

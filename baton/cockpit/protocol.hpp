@@ -1,4 +1,4 @@
-/// The messages between server and page (docs/page.md): JSON texts on a WebSocket.
+/// Messages between server and page (docs/page.md): JSON over WebSocket.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,29 +11,29 @@
 
 namespace baton {
 
-/// A page asks for the driver's seat, or gives it back.
+/// A page requests or releases the driver's seat.
 struct TakeSeat {};
 struct LeaveSeat {};
 /// A page moves the stick.
 struct Steer {
-  Command command;  ///< as it came: perhaps out of range, perhaps not a number
+  Command command;  ///< unchecked: may be out of range or NaN
   bool deadman = false;
 };
-/// A message that is none; says why, for the one who wrote the page.
+/// An invalid message, and why, for the author of the page.
 struct Malformed {
   std::string why;
 };
 using PageMessage = std::variant<TakeSeat, LeaveSeat, Steer, Malformed>;
 
-inline constexpr std::size_t kLargestMessage = 4096;  ///< [bytes] from a page
+inline constexpr std::size_t kLargestMessage = 4096;  ///< longest message from a page [bytes]
 
-/// Never throws on whatever text.
+/// Accepts any text; never throws.
 [[nodiscard]] PageMessage parse_page_message(std::string_view text);
 
-/// A page's standing towards the driver's seat.
+/// Whether a page holds the driver's seat.
 enum class Role { driver, watcher };
 
-/// The `state` message; `device`: the one that this page is told about; `taken`: whether any page drives.
+/// The `state` message. `device`: the device shown on this page; `taken`: whether any page drives.
 [[nodiscard]] std::string state_message(const Frame& frame, const DeviceStatus& device, const RobotModel& robot,
                                         Role role, bool taken);
 

@@ -1,4 +1,4 @@
-/// Who may talk to the page's server: programs and pages of this machine that address it as such.
+/// Access control of the page's server: only programs and pages of this machine.
 #pragma once
 
 #include <optional>
@@ -6,12 +6,11 @@
 
 namespace baton {
 
-/// Whether a request's Host is this machine: 127.0.0.1, localhost or [::1], with any port or none (a tunnel
-/// changes the port). A foreign name that resolves to this machine (DNS rebinding) is not.
+/// Whether a Host header names this machine: 127.0.0.1, localhost or [::1], with or without a port (a tunnel changes
+/// the port). Rejects foreign names that resolve to this machine (DNS rebinding).
 [[nodiscard]] bool is_loopback_host(std::string_view host);
 
-/// Whether a request may be answered: its Host is this machine, and its Origin, where a browser names one, is
-/// the page that this Host serves.
+/// Whether a request is allowed: its Host is this machine, and its Origin, if present, is the page served there.
 [[nodiscard]] bool is_same_origin(std::string_view host, std::optional<std::string_view> origin);
 
 }  // namespace baton

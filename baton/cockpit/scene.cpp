@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kLastVisibleGroup = 2;  ///< MuJoCo draws groups 0 to 2 unless told otherwise
+constexpr int kLastVisibleGroup = 2;  ///< MuJoCo draws groups 0 to 2 by default
 
 template <typename T>
 json numbers(const T* values, int count) {
@@ -54,7 +54,7 @@ json bodies(const mjModel& m) {
   return list;
 }
 
-/// Geoms of the visual groups; of a body that has none, all of them.
+/// Geoms in the visual groups; all geoms of a body without any.
 json geoms(const mjModel& m) {
   json list = json::array();
   for (int g = 0; g < m.ngeom; ++g) {
@@ -62,7 +62,7 @@ json geoms(const mjModel& m) {
     const bool visible = m.geom_group[g] <= kLastVisibleGroup || !has_visual_geom(m, body);
     const std::string_view type = type_name(m.geom_type[g]);
     const int material = m.geom_matid[g];
-    // An unset colour of the geom leaves the material's, as in MuJoCo's own renderer.
+    // A geom without a colour uses its material's, as in MuJoCo's renderer.
     const float* rgba = m.geom_rgba + 4 * g;
     const bool unset = rgba[0] == 0.5F && rgba[1] == 0.5F && rgba[2] == 0.5F && rgba[3] == 1.0F;
     if (material >= 0 && unset) rgba = m.mat_rgba + 4 * material;
@@ -95,7 +95,7 @@ json meshes(const mjModel& m) {
   return list;
 }
 
-/// Places of the world.
+/// Sites of the world.
 json sites(const mjModel& m) {
   json list = json::array();
   for (int s = 0; s < m.nsite; ++s) {

@@ -1,4 +1,4 @@
-/// A compiled model as a generic scene that a browser can draw: bodies, their visible geoms, meshes, places.
+/// A compiled model as a scene for the browser: bodies, visible geoms, meshes, sites.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,11 +8,10 @@
 
 namespace baton {
 
-/// The document of /model.json (docs/page.md). `scene` is the world composed with the robot; `world` its
-/// name.
+/// The document /model.json (docs/page.md). `scene` is robot and world composed; `world` its name.
 [[nodiscard]] nlohmann::json scene_document(const RobotModel& robot, const std::string& world, const mjModel& scene);
 
-/// Base64 of a block of memory.
+/// Base64 encoding of a memory block.
 [[nodiscard]] std::string base64(const void* data, std::size_t size);
 
 }  // namespace baton

@@ -1,4 +1,4 @@
-/// When the commands of a live device begin to count: after it was neutral once since it appeared.
+/// Arming of a live input device: its commands count once it has been neutral since it was connected.
 #pragma once
 
 #include <cstdint>
@@ -7,24 +7,23 @@
 
 namespace baton {
 
-/// Whether nothing is asked for, by whichever part is guided: stricter than `Command::neutral`, for a throttle that is
-/// still up would lift its foot as soon as that is guided.
+/// Whether the command asks for nothing, whichever part is guided. Stricter than `Command::neutral`: a raised throttle
+/// would lift its foot as soon as that foot is guided.
 [[nodiscard]] inline bool at_rest(const Command& command) {
   return command.recall == Recall::none && command.axes.isZero(0.0) && command.lift.left == 0.0 &&
          command.lift.right == 0.0;
 }
 
-/// A stick that comes back after a lost link may be zeroed wrongly, or be held deflected: it has to show
-/// neutral first.
+/// A device that reconnects may have a wrong zero or be held deflected, so it must be neutral first.
 class Arming {
  public:
   enum class State : std::uint8_t {
-    absent,   ///< nothing there, or silent
-    waiting,  ///< there, and not yet neutral
+    absent,   ///< not connected, or silent
+    waiting,  ///< connected, not yet neutral
     armed,    ///< its commands count
   };
 
-  /// One reading: whether the device is there, and whether every control of it is at rest.
+  /// Updates with one reading: whether the device is present and all its controls are at rest.
   State update(bool present, bool at_rest) {
     switch (state_) {
       case State::absent:

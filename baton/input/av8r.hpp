@@ -1,5 +1,4 @@
-/// The paper's joystick, the Saitek Aviator AV8R: from its controls to a command (docs/input.md has the
-/// table).
+/// Saitek Aviator AV8R, the paper's joystick: controls → command (table in docs/input.md).
 #pragma once
 
 #include <array>
@@ -9,7 +8,7 @@
 
 namespace baton {
 
-/// Its controls as SDL numbers them.
+/// Controls in SDL's numbering.
 struct Av8rState {
   static constexpr int kAxes = 5;
   static constexpr int kButtons = 14;
@@ -23,15 +22,15 @@ struct Av8rState {
 };
 
 struct Av8rMapping {
-  Response stick{};                ///< of the main stick and its twist
-  Response lever{{.curve = 0.0}};  ///< of the levers, dead at the pulled end
-  double lever_forward = -1.0;     ///< what a lever reads fully forward, −1 or +1
+  Response stick{};                ///< main stick and twist
+  Response lever{{.curve = 0.0}};  ///< levers; dead zone at the pulled end
+  double lever_forward = -1.0;     ///< reading of a lever pushed fully forward, −1 or +1
 };
 
-/// Side of the guided foot or hand: launcher left, main right; `previous` while neither or both are held.
+/// Side of the guided foot or hand: launcher selects left, main right; neither or both keeps `previous`.
 [[nodiscard]] Side av8r_side(const Av8rState& state, Side previous);
 
-/// The command of any state: axes in −1…1, lifts in 0…1; the toggle chooses foot (A), trunk (middle) or hand
+/// Maps any state to a command: axes in −1…1, lifts in 0…1. The mode switch selects foot (A), trunk (middle) or hand
 /// (B) of `side`; the trigger stops, T3 retraces, T4 goes home.
 [[nodiscard]] Command av8r_command(const Av8rState& state, Side side, const Av8rMapping& mapping = {});
 

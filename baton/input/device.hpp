@@ -1,5 +1,4 @@
-/// Port for everything that an operator holds: joystick, pad, keys in the page, script. Of the run it knows only the
-/// time.
+/// Interface to input devices: joystick, pad, keys on the page, script. A device knows only the time of the run.
 #pragma once
 
 #include <string>
@@ -8,18 +7,18 @@
 
 namespace baton {
 
-/// A device as its operator should see it.
+/// Device state as shown to the operator.
 struct DeviceStatus {
-  std::string name;        ///< of the device, for people; empty while there is none
-  bool connected = false;  ///< something is there that could give commands
-  bool armed = false;      ///< its commands count: it was neutral once since it appeared
-  std::string hint;        ///< what the operator has to do for that, one short sentence; empty if nothing
+  std::string name;        ///< display name; empty without a device
+  bool connected = false;  ///< present and able to give commands
+  bool armed = false;      ///< its commands count: it has been neutral since it was connected
+  std::string hint;        ///< one short sentence: what the operator must do to arm it; may be empty
 };
 
 class Device : public Operator {
  public:
-  /// The newest command at time `t` [s, of the run]. Neutral while the device is absent, silent, or not
-  /// armed. Never throws and never blocks.
+  /// Newest command at run time `t` [s]; neutral while the device is absent, silent or not armed. Never throws or
+  /// blocks.
   [[nodiscard]] virtual Command read(double t) = 0;
 
   [[nodiscard]] virtual DeviceStatus status() const = 0;

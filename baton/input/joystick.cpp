@@ -83,7 +83,7 @@ Command neutral(Part guide) {
 
 }  // namespace
 
-/// An open device: exactly one of the two is set.
+/// An open device: exactly one member is set.
 struct Joystick::Handle {
   StickPtr stick;
   PadPtr pad;
@@ -113,7 +113,7 @@ Joystick::~Joystick() {
 Command Joystick::read(double t) {
   now_ = t;
   SDL_JoystickUpdate();
-  // Positions are read, not events: nobody else empties the queue.
+  // Positions are polled; flush the event queue, which nobody else reads.
   SDL_FlushEvents(SDL_JOYAXISMOTION, SDL_CONTROLLERSENSORUPDATE);
   if (handle_ && SDL_JoystickGetAttached(handle_->joystick()) == SDL_FALSE) {
     handle_.reset();
@@ -130,7 +130,7 @@ Command Joystick::read(double t) {
   }
   Command command = command_of(controls_);
   if (std::holds_alternative<Av8rState>(controls_)) {
-    // A lever stays where it is left: it counts from when it was pulled back once.
+    // A lever does not spring back: it counts once it has been pulled back.
     for (const Side side : kSides) {
       lever_known_[side] = lever_known_[side] || command.lift[side] == 0.0;
       if (!lever_known_[side]) command.lift[side] = 0.0;

@@ -1,4 +1,4 @@
-/// Joysticks and pads by SDL2: plugged in and out at any time, neutral before armed.
+/// Joysticks and pads through SDL2, with hot-plugging and arming.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@
 
 namespace baton {
 
-/// The first usable device that SDL sees: an AV8R (by its USB id, or any stick with its layout) or a pad that
-/// SDL has a game-controller mapping for. It is kept until it goes; then the next one is taken. Its commands
-/// count once every control was at rest, triggers too; a lever counts once it was pulled back. While none counts, the
-/// command is neutral for the part guided last.
+/// Uses the first device that SDL finds usable: an AV8R (by USB id, or any stick with its layout) or a pad with an SDL
+/// game-controller mapping. It is kept until unplugged; then the next one is taken. Commands count once every control,
+/// triggers included, has been at rest; a lever counts once it has been pulled back. Until then the command is neutral,
+/// for the part guided last.
 ///
-/// Needs no display and no thread of its own. One thread calls `read`.
+/// Needs no display and no thread. `read` must be called from one thread.
 class Joystick : public Device {
  public:
   struct Parameters {
     Av8rMapping av8r{};
     PadMapping pad{};
-    bool dead_man = true;  ///< a pad moves the robot only while its left shoulder button is held
-    /// A deflected device that reports no change for longer counts as lost [s]. Some links die silently, but
-    /// a stick held at its stop is just as silent: so there is no limit unless one is asked for.
+    bool dead_man = true;  ///< a pad needs its left shoulder button held
+    /// A deflected device without any change for longer than this counts as lost [s]. Some links die silently, but a
+    /// stick held at its stop is just as silent, so the default is no limit.
     double max_age = std::numeric_limits<double>::infinity();
   };
 
-  /// @throws InputError `max_age` is not positive, or `lever_forward` neither −1 nor +1
-  /// @throws std::runtime_error SDL cannot start its joystick subsystem
+  /// @throws InputError `max_age` is not positive, or `lever_forward` is not ±1
+  /// @throws std::runtime_error SDL's joystick subsystem fails to start
   explicit Joystick(const Parameters& parameters);
   Joystick() : Joystick(Parameters{}) {}
   ~Joystick() override;
@@ -43,8 +43,7 @@ class Joystick : public Device {
   [[nodiscard]] Command read(double t) override;
   [[nodiscard]] DeviceStatus status() const override;
 
-  /// Since the device last reported a change, at the time of the last `read` [s]; infinite while there is
-  /// none.
+  /// Time from the device's last change to the last `read` [s]; infinite without a device.
   [[nodiscard]] double age() const;
 
  private:
@@ -53,21 +52,21 @@ class Joystick : public Device {
 
   void find();
   [[nodiscard]] Controls controls() const;
-  /// The command of the controls as they are, dead-man button aside; follows the choice of part.
+  /// Command of these controls, ignoring the dead-man button; updates the chosen part.
   [[nodiscard]] Command command_of(const Controls& controls);
   [[nodiscard]] bool dead_man_released() const;
 
   Parameters parameters_;
-  std::unique_ptr<Handle> handle_;     ///< empty while there is no device
-  std::vector<std::int32_t> refused_;  ///< SDL's instance ids of devices that cannot be used
-  std::string refused_name_;           ///< one of those that is there now
+  std::unique_ptr<Handle> handle_;     ///< null without a device
+  std::vector<std::int32_t> refused_;  ///< SDL instance ids of unusable devices
+  std::string refused_name_;           ///< name of one that is plugged in
   Arming arming_;
   Controls controls_;         ///< newest
-  double now_ = 0.0;          ///< time of the last read [s]
-  double changed_ = 0.0;      ///< time at which the controls last changed [s]
-  BySide<bool> lever_known_;  ///< an AV8R's lever was seen pulled back
-  Side side_ = Side::left;    ///< chosen last on an AV8R
-  Part guide_ = Part::trunk;  ///< guided last
+  double now_ = 0.0;          ///< time of the last `read` [s]
+  double changed_ = 0.0;      ///< time of the controls' last change [s]
+  BySide<bool> lever_known_;  ///< this AV8R lever has been pulled back once
+  Side side_ = Side::left;    ///< last chosen on an AV8R
+  Part guide_ = Part::trunk;  ///< last guided
 };
 
 }  // namespace baton

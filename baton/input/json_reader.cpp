@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 constexpr int kDeepest = 32;
 
-/// How deep brackets are nested. Beyond what is JSON it does not matter.
+/// Nesting depth of brackets; only meaningful for valid JSON.
 int depth(std::string_view text) {
   int deepest = 0, now = 0;
   bool quoted = false;
@@ -110,7 +110,7 @@ double JsonReader::number() const {
 long JsonReader::whole(long least, long most) const {
   const auto wanted = [&] { return fmt::format("a whole number from {} to {}", least, most); };
   if (!json_->is_number_integer()) complain(wanted());
-  // Beyond what a signed number holds it would come out negative.
+  // Unsigned values beyond the signed range would turn negative.
   const bool huge = json_->is_number_unsigned() && json_->get<std::uint64_t>() > std::numeric_limits<long>::max();
   if (huge || json_->get<long>() < least || json_->get<long>() > most) complain(wanted());
   return json_->get<long>();

@@ -1,5 +1,4 @@
-/// Xbox-like pads: from the controls, as SDL's game-controller mapping names them, to a command
-/// (docs/input.md).
+/// Xbox-like pads: controls in SDL's game-controller naming → command (docs/input.md).
 #pragma once
 
 #include "baton/guide/command.hpp"
@@ -18,7 +17,7 @@ struct PadState {
   bool right_shoulder = false;
   bool a = false, b = false, x = false, y = false;
   bool back = false, start = false;
-  bool stick = false;                                          ///< the left or the right one, pressed in
+  bool stick = false;                                          ///< left or right stick pressed in
   bool up = false, down = false, left = false, right = false;  ///< d-pad
 
   [[nodiscard]] bool operator==(const PadState&) const = default;
@@ -29,12 +28,12 @@ struct PadMapping {
   Response trigger{{.curve = 0.0}};
 };
 
-/// The guided part: A trunk, X left foot, B right foot, Y left hand, right shoulder right hand; `previous`
-/// while none or several of them are pressed.
+/// The guided part: A trunk, X left foot, B right foot, Y left hand, right shoulder right hand; none or several pressed
+/// keep `previous`.
 [[nodiscard]] Part pad_guide(const PadState& state, Part previous);
 
-/// The command of any state: axes in −1…1, lifts in 0…1; a stick pressed in stops, back retraces, start goes home. The
-/// dead-man button is not looked at.
+/// Maps any state to a command: axes in −1…1, lifts in 0…1. A stick pressed in stops, back retraces, start goes home.
+/// Ignores the dead-man button.
 [[nodiscard]] Command pad_command(const PadState& state, Part guide, const PadMapping& mapping = {});
 
 }  // namespace baton

@@ -20,11 +20,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kSameTime = 1e-9;   // [s] ticks are counted in floating point
+constexpr double kSameTime = 1e-9;   // [s] tolerance for floating-point tick times
 constexpr double kLatest = 86400.0;  // [s] a day
 constexpr std::array<std::string_view, 7> kKeys{"t", "guide", "axes", "lift", "retrace", "home", "stop"};
 
-/// Reads one line; every complaint names file, line, key, value and what is wanted.
+/// Reads one line; each error names file, line, key, value and what is expected.
 class Line {
  public:
   Line(std::string_view text, std::string place) : place_(std::move(place)) {

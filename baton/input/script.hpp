@@ -1,4 +1,4 @@
-/// A device that plays a file of commands (docs/input.md has the format): JSON Lines such as
+/// A device that plays commands from a file (format in docs/input.md): JSON Lines such as
 /// `{"t": 1.25, "guide": "left_hand", "axes": [x, y, z, roll, pitch, yaw], "lift": [left, right]}`
 /// or `{"t": 6, "retrace": true}`
 #pragma once
@@ -13,8 +13,7 @@
 
 namespace baton {
 
-/// Each command is held until the next. Axes and lifts are clamped; `null` stays a NaN, as a broken device
-/// would give.
+/// Each command is held until the next. Axes and lifts are clamped; `null` becomes NaN, as from a broken device.
 class Script : public Device {
  public:
   struct Entry {
@@ -23,22 +22,21 @@ class Script : public Device {
   };
 
   /// Reads a whole file.
-  /// @throws InputError the file cannot be read or holds no command; a line is not a JSON object, lacks `t`,
-  /// has an unknown key, one key twice, or a value that its key does not take; `t` is less than on the line
-  /// before, or more than a day
+  /// @throws InputError the file cannot be read or holds no command; a line is not a JSON object, lacks `t`, has an
+  /// unknown or repeated key or an invalid value; `t` decreases or exceeds one day
   [[nodiscard]] static Script load(const std::filesystem::path& file);
 
-  /// The same, and of a pipe too, which is read to its end unless `stop` becomes true before.
+  /// The same, also from a pipe, which is read to its end unless `stop` becomes true.
   /// @throws std::runtime_error stopped
   [[nodiscard]] static Script load(const std::filesystem::path& file, const std::atomic<bool>& stop);
 
-  /// The same, of the text itself; `name` stands for the file in messages.
+  /// The same from text; messages use `name` in place of the file.
   [[nodiscard]] static Script parse(std::string_view text, std::string name);
 
   /// @throws InputError a time is not finite, negative, or less than the one before
   explicit Script(std::vector<Entry> entries, std::string name = "script");
 
-  /// The last entry that is not later than `t`; neutral before the first. Armed at once.
+  /// The last entry not later than `t`; neutral before the first. Always armed.
   [[nodiscard]] Command read(double t) override;
   [[nodiscard]] DeviceStatus status() const override;
 
@@ -51,8 +49,7 @@ class Script : public Device {
   std::string name_;
 };
 
-/// A command as a line of a script that gives the very same command; infinities become large numbers, which count
-/// alike.
+/// A script line that reproduces the command exactly; infinities become large numbers, which have the same effect.
 [[nodiscard]] std::string script_line(double t, const Command& command);
 
 }  // namespace baton

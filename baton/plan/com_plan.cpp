@@ -8,7 +8,7 @@
 namespace baton {
 namespace {
 
-/// Wishes with the times that a timing gives them.
+/// Desired knots at the times given by a timing.
 std::vector<VrpKnot> timed(const ComProblem& problem, const Timing& timing) {
   std::vector<VrpKnot> knots = problem.knots;
   for (VrpKnot& knot : knots)
@@ -37,7 +37,7 @@ Timing timing_by_shares(const std::vector<SupportPhase>& phases, int ticks, doub
   double sum = 0.0;
   for (std::size_t i = 0; i < phases.size(); ++i) {
     sum += phases[i].share;
-    const int left = static_cast<int>(phases.size() - 1 - i);  // phases that still need a tick
+    const int left = static_cast<int>(phases.size() - 1 - i);  // later phases, each needing a tick
     const int border = static_cast<int>(std::lround(sum * ticks));
     timing.border.push_back(std::max(std::min(border, ticks - left), timing.border.back() + 1));
   }
@@ -89,8 +89,8 @@ std::optional<ComPath> BoundedCom::path(const ComProblem& problem, const Timing&
   ComPath path = build();
   if (fits(path)) return path;
 
-  // Edges that each knot must keep to: those of the phases that it is in, or between.
-  constexpr double kReserve = 1e-4;  // between knots the ZMP leaves the straight line a little [m]
+  // Support edges that constrain each knot: those of its phase, or of both adjacent phases.
+  constexpr double kReserve = 1e-4;  // between knots the ZMP deviates slightly from a straight line [m]
   struct Edge {
     Eigen::Index knot;
     Vec2 inward;
@@ -114,8 +114,8 @@ std::optional<ComPath> BoundedCom::path(const ComProblem& problem, const Timing&
       if (place > begin - 1e-9 && place < begin + 1.0 + 1e-9) keep_inside(k, problem.phases[i].support);
     }
   }
-  // Unknowns: x of all knots, then y. The vertical stays as it is; with it, the ZMP is linear in them:
-  // zmp = (1 − f) p + f v, where p = (ξ + η)/2.
+  // Unknowns: x of all knots, then y. The vertical path is fixed, so the ZMP is linear in them: zmp = (1 − f) p + f v,
+  // where p = (ξ + η)/2.
   Workspace& w = *w_;
   const auto m = static_cast<Eigen::Index>(edges.size());
   w.H.setZero(2 * n, 2 * n);

@@ -1,20 +1,20 @@
-/// The modes of a run.
+/// Planning modes of a run.
 #pragma once
 
 #include "baton/plan/planner.hpp"
 
 namespace baton {
 
-/// What happens to a goal that cannot be verified.
+/// What to do with a goal that has no verified motion.
 enum class OnLimit {
-  discard,  ///< the command is refused
-  shrink,   ///< the goal comes nearer, along its direction, until it can
+  discard,  ///< refuse the command
+  shrink,   ///< move the goal closer, along its direction, until it has one
 };
 
 /// When the committed motion may be replaced.
 enum class Gait {
-  stop,  ///< when it has come to rest
-  flow,  ///< on its way, from where it is then, moving
+  stop,  ///< only at rest
+  flow,  ///< also on its way, from the moving state
 };
 
 struct Modes {

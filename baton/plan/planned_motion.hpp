@@ -1,4 +1,4 @@
-/// What planning answers: a verified motion with what is known beside it, or a refusal.
+/// Result of planning: a verified motion with annotations, or a refusal.
 #pragma once
 
 #include <optional>
@@ -11,9 +11,9 @@ namespace baton {
 struct PlannedMotion {
   VerifiedMotion motion;
   int durations_tried = 0;  ///< by the duration correction
-  /// What spoke against the longest of the shorter durations that were tried.
+  /// Why the longest of the shorter durations tried was rejected.
   std::optional<Refusal> not_shorter{};
-  /// What spoke against all that the command asked for, if the motion does only a part of it.
+  /// Why the motion does only part of what the command asked for, if so.
   std::optional<Refusal> limit{};
 };
 

@@ -12,20 +12,20 @@
 namespace baton {
 namespace {
 
-constexpr int kCorrections = 2;     ///< by the limbs' part in the ZMP
-constexpr double kSameRest = 1e-5;  ///< of a joint: what inverse kinematics may leave at a rest on the way back [rad]
-constexpr int kRestsTried = 8;      ///< rests tried on a way back that cannot be taken whole
-constexpr int kPartsVerified = 3;   ///< verifications of a part of a way back; each may take as long as the whole
-constexpr int kVain = 2;            ///< surveys in a row, after which a torque is taken for one that stays
-// The search for the shortest duration.
-constexpr double kGrowth = 1.2;       ///< least factor from one that failed to the next
-constexpr double kSlower = 1.5;       ///< the same from one that failed for what is not a matter of time
-constexpr int kHalvings = 3;          ///< of the way back to the one that failed
-constexpr double kResolution = 0.04;  ///< relative, at which that is given up
-constexpr int kDivisions = 3;         ///< steps from the division by shares to that of the shortest
-constexpr int kMostFinishes = 6;      ///< durations that are worked out whole
+constexpr int kCorrections = 2;     ///< iterations of the correction for the limbs' contribution to the ZMP
+constexpr double kSameRest = 1e-5;  ///< joint error of inverse kinematics allowed at a rest while retracing [rad]
+constexpr int kRestsTried = 8;      ///< planned rests tried on a retrace path that fails as a whole
+constexpr int kPartsVerified = 3;   ///< verified parts of a retrace path; each may cost as much as the whole
+constexpr int kVain = 2;            ///< surveys in a row after which a torque counts as independent of the duration
+// Search for the shortest duration.
+constexpr double kGrowth = 1.2;       ///< least factor from a failed duration to the next
+constexpr double kSlower = 1.5;       ///< the same after a failure that does not depend on time
+constexpr int kHalvings = 3;          ///< bisections back towards the failed duration
+constexpr double kResolution = 0.04;  ///< relative resolution of the bisection
+constexpr int kDivisions = 3;         ///< steps from the default division to that of the shortest timing
+constexpr int kMostFinishes = 6;      ///< durations realised at every tick
 
-/// The factor on the duration that may mend it: speeds go with 1/T, accelerations with 1/T².
+/// Factor on the duration that may help: speeds scale with 1/T, accelerations with 1/T².
 double stretch_for(const Refusal& refusal) {
   const double excess = refusal.value / refusal.limit;
   switch (refusal.reason) {
@@ -40,8 +40,8 @@ double stretch_for(const Refusal& refusal) {
   }
 }
 
-/// Two durations and what a survey found against each: whether a joint would be loaded too much however long the motion
-/// took. A load has one part that goes with 1/T², and one that stays.
+/// From the survey results of two durations: whether a joint is overloaded at any duration. A load has one part that
+/// scales with 1/T² and a constant one.
 bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) {
   if (first.reason != Reason::joint_torque || second.reason != first.reason || second.where != first.where)
     return false;
@@ -49,7 +49,7 @@ bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) 
   return stays > kRoughly * second.limit;
 }
 
-/// The first `ticks` of a motion backwards, then `end`, which begins there.
+/// The first `ticks` of a reversed motion, continued by `end`.
 Motion joined(const Motion& backwards, int ticks, Motion end) {
   Motion motion = std::move(end);
   motion.retraces = true;
@@ -79,9 +79,9 @@ PlanResult Planner::by_paper(Task& task) {
   const Profile::Duration& duration = robot_->profile().duration;
   const double period = robot_->profile().tick.period;
   std::optional<Failure> failure;
-  double certain = 0.0;                              // no duration below is worth a try
-  std::optional<std::pair<double, Refusal>> before;  // the last look that found something, and what
-  int vain = 0;                                      // looks in a row that say that no duration will do
+  double certain = 0.0;                              // shorter durations certainly fail
+  std::optional<std::pair<double, Refusal>> before;  // last survey that failed, and why
+  int vain = 0;                                      // consecutive surveys that indicate that no duration works
   for (double T = task.segment.first_duration(); T <= duration.max + 1e-9; T += duration.step) {
     if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / period));
@@ -131,7 +131,7 @@ PlanResult Planner::by_search(Task& task) {
   const double swing_time = flight ? flight->remaining : task.segment.limits().swing_time;
   const int least_swing = static_cast<int>(std::ceil(swing_time / period - 1e-9));
   const ComProblem& com = task.segment.com();
-  // The shortest that the point mass can do, but nothing that is over sooner than a swing.
+  // Shortest duration for the point mass, but at least that of a swing.
   const std::optional<Shortest> shortest =
       shortest_timing(com_, com, task.segment.swing_phase(), least_swing, longest, period);
   if (!shortest) {
@@ -144,7 +144,7 @@ PlanResult Planner::by_search(Task& task) {
     task.not_shorter = Refusal{Reason::zmp, part, 0, com.margin, "point mass"};
   ticks = std::max(ticks, least_swing);
   int failed = ticks - 1;
-  // Longer until a look along it finds nothing against it, and back halfway to what failed.
+  // Lengthen until the survey passes, then bisect towards the last failure.
   Candidate candidate;
   const auto looks_good = [&](int duration) {
     std::optional<Failure> failure = Failure{{Reason::zmp, part, 0, com.margin, ""}, kGrowth};
@@ -156,7 +156,7 @@ PlanResult Planner::by_search(Task& task) {
     return failure;
   };
   const auto longer = [&](double stretch) { return std::min(longest, static_cast<int>(std::ceil(ticks * stretch))); };
-  // A quick motion leans farther out than a slow one: against that, too, more time may help, but once is enough.
+  // A quick motion leans farther out than a slow one, so more time may help against this too; one retry is enough.
   double chance = kSlower;
   const auto stretch_after = [&](const Failure& failure) {
     return failure.stretch > 0.0 ? failure.stretch : std::exchange(chance, 0.0);
@@ -212,7 +212,7 @@ PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& ha
   difference(*robot_, off, 1.0, motion.end.q, there.q);
   const double most = off.cwiseAbs().maxCoeff();
   if (most > kSameRest) return Refusal{Reason::unreachable, goal.guided, most, kSameRest, "rest on the way back"};
-  // What inverse kinematics leaves is made up for on the way.
+  // The residual of inverse kinematics is spread along the path.
   for (int k = 1; k <= motion.ticks(); ++k)
     integrate(*robot_, motion.samples[static_cast<std::size_t>(k)].q, off, smooth_step(k, motion.ticks()).x);
   motion.samples.back().q = motion.end.q = there.q;
@@ -238,7 +238,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
   for (auto rest = rests.rbegin(); rest != rests.rend() && tries > 0; ++rest) {
     if (rest->passed * whole.period > until) continue;
     --tries;
-    // Both feet stand from where the last of them has landed: from there on the robot may come to rest.
+    // From the last touchdown on both feet stand, and the robot may come to rest.
     int landed = rest->passed;
     while (landed > 0 && both_stand(landed - 1))
       --landed;
@@ -338,7 +338,7 @@ std::variant<Motion, Refusal> Planner::realise(const Segment& segment, const Can
     const VecX& previous = motion.samples[static_cast<std::size_t>(k) - 1].q;
     sample.q = previous;
     if (k == 1 && moving) integrate(*robot_, sample.q, from.dq, dt);
-    if (k > 1) {  // linearise where the joints would go by themselves
+    if (k > 1) {  // linearise at the extrapolated joint angles
       const VecX& earlier = motion.samples[static_cast<std::size_t>(k) - 2].q;
       sample.q.tail(robot_->nv() - 6) += (previous - earlier).tail(robot_->nv() - 6);
       sample.q.head<3>() += (previous - earlier).head<3>();

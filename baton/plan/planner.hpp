@@ -1,4 +1,4 @@
-/// Goal and posture → verified motion, or the reason why there is none.
+/// Goal and posture → verified motion, or a refusal.
 #pragma once
 
 #include "baton/plan/planned_motion.hpp"
@@ -11,56 +11,56 @@ namespace baton {
 
 /// How the duration of a motion is found (docs/theory.md §4).
 enum class DurationRule {
-  paper,   ///< the first that passes of T, T + ΔT, …
-  search,  ///< the shortest that passes
+  paper,   ///< the first feasible of T, T + ΔT, …
+  search,  ///< the shortest feasible
 };
 
 class Planner {
  public:
-  /// Robot and world must outlive the object.
+  /// `robot` and `world` must outlive this object.
   Planner(const RobotModel& robot, const World& world, DurationRule rule = DurationRule::paper);
 
-  /// For one duration after another: VRP knots that keep the ZMP inside the supports; a survey of the motion, which
-  /// tells the limbs' part in the ZMP; the knots again, corrected by it; inverse kinematics and verification at every
-  /// tick. What speaks against a candidate says whether a longer duration may mend it and which; what none mends
+  /// Tries durations in turn. For each: VRP knots that keep the ZMP inside the supports; a coarse survey, which yields
+  /// the limbs' contribution to the ZMP; the knots corrected for it; inverse kinematics and verification at every tick.
+  /// The refusal of a candidate tells whether a longer duration may help, and which; one that time cannot mend
   /// (collision, joint limit, reach) ends the search. A pure function of its arguments.
-  /// @param anchor planning frame in the world
+  /// @param anchor planning frame in the world frame
   [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits) {
     return plan(from, goal, anchor, limits, rule_);
   }
   [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits,
                                 DurationRule rule);
 
-  /// The way back along an executed motion, verified again.
+  /// Retraces an executed motion; the reversed motion is verified again.
   [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor, const Limits& limits);
 
-  /// From a posture on the way back, moving, to a rest on it: to the very joint angles that the rest of the way back
-  /// begins with.
+  /// Brings a moving robot on a retrace path to a planned rest on that path, ending at exactly the joint angles from
+  /// which the remaining path continues.
   [[nodiscard]] PlanResult halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor,
                                 const Limits& limits);
 
-  /// A part of the way back, and the rest where it ends.
+  /// Part of a retrace path, and the planned rest at its end.
   struct PartOfWay {
-    PlannedMotion planned;  ///< its `limit` is what speaks against going on
+    PlannedMotion planned;  ///< `limit` is why it does not go further
     Halt halt;
   };
-  /// The way back to the last rest on it before what speaks against the whole of it; none if there is no such rest.
-  /// @param against the refusal of the whole way back
+  /// The retrace path up to the last planned rest before the point of failure; none if there is no such rest.
+  /// @param against refusal of the whole path
   [[nodiscard]] std::optional<PartOfWay> retrace_part(const Trail& trail, const Pose& anchor, const Limits& limits,
                                                       Refusal against);
 
  private:
-  /// What speaks against a candidate, and the factor on its duration that may mend it; 0: none does.
+  /// Why a candidate failed, and the factor on its duration that may help; 0: none.
   struct Failure {
     Refusal refusal;
     double stretch = 0.0;
   };
-  /// A search for the duration of one segment.
+  /// Duration search for one segment.
   struct Task {
     const Segment& segment;
     const Pose& anchor;
-    std::vector<VecX> looked{};  ///< postures of the last survey: where the next one starts from
-    int tried = 0;               ///< durations looked at
+    std::vector<VecX> looked{};  ///< postures of the last survey, to warm-start the next
+    int tried = 0;               ///< number of durations
     std::optional<Refusal> not_shorter{};
   };
   struct Candidate {
@@ -72,14 +72,14 @@ class Planner {
   [[nodiscard]] PlanResult by_search(Task& task);
 
   [[nodiscard]] static Failure judged(Refusal refusal, const Segment& segment);
-  /// Finds the COM path of a candidate and looks along it.
+  /// Finds the COM path of a candidate and surveys it.
   [[nodiscard]] std::optional<Failure> look(Task& task, Candidate& candidate);
-  /// The same candidate worked out and verified at every tick.
+  /// Realises the candidate at every tick and verifies it.
   [[nodiscard]] std::variant<PlannedMotion, Failure> finish(const Task& task, const Candidate& candidate);
-  /// How to divide a duration: as near to the shares as the point mass can do it, on the way to the division of the
-  /// shortest.
+  /// Divides a duration into phases: between the default shares and the division of the shortest timing, as close to
+  /// the default shares as is feasible for the point mass.
   [[nodiscard]] std::optional<Timing> timing(const Segment& segment, const Timing& shortest, int ticks);
-  /// A candidate with its joint paths; a refusal if inverse kinematics cannot follow.
+  /// Computes joint paths; a refusal if inverse kinematics fails.
   [[nodiscard]] std::variant<Motion, Refusal> realise(const Segment& segment, const Candidate& candidate);
 
   const RobotModel* robot_;

@@ -75,7 +75,7 @@ Motion reversed(const RobotModel& robot, const Trail& trail) {
   for (const Side side : kSides) {
     if (goal.hand[side]) goal.hand[side] = trail.start.hand[side];
   }
-  int last = 1;  // a motion that was replaced hands its last sample to the next
+  int last = 1;  // the last sample of a replaced motion is the first of the next
   for (auto piece = trail.pieces.rbegin(); piece != trail.pieces.rend(); ++piece) {
     const std::vector<ContactPhase> phases = first_phases(piece->phases, piece->ticks);
     motion.phases.insert(motion.phases.end(), phases.rbegin(), phases.rend());

@@ -1,6 +1,6 @@
-/// The way back: an executed motion from rest to rest, run backwards (docs/theory.md §8). Without motor damping the
-/// dynamics is symmetric in time: the same accelerations, contact forces and ZMP, opposite velocities. The damping is
-/// why a load counts |τ| + b|q̇|.
+/// Retrace: an executed rest-to-rest motion, reversed in time (docs/theory.md §8). Without motor damping the dynamics
+/// is time-symmetric: same accelerations, contact forces and ZMP, opposite velocities. To stay valid with damping,
+/// torque checks use |τ| + b|q̇|.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace baton {
 
-/// What is kept of what was executed from one rest to the next: one motion, or several of which each replaced the one
-/// before on its way.
+/// Record of what was executed from one rest to the next: one motion, or several that each replaced its predecessor on
+/// the way.
 struct Trail {
   struct Point {
     VecX q;
@@ -20,48 +20,48 @@ struct Trail {
     BySide<Pose> sole;
   };
   struct Piece {
-    std::shared_ptr<const std::vector<Point>> points;  ///< of the whole motion, one a tick
-    std::vector<ContactPhase> phases;                  ///< the same
-    Goal goal;                                         ///< where it led
-    int ticks = 0;                                     ///< that were executed of it
+    std::shared_ptr<const std::vector<Point>> points;  ///< of the whole motion, one per tick
+    std::vector<ContactPhase> phases;                  ///< of the whole motion
+    Goal goal;                                         ///< goal of the motion
+    int ticks = 0;                                     ///< executed ticks
 
     [[nodiscard]] int planned() const { return static_cast<int>(points->size()) - 1; }
   };
-  Posture start;  ///< where it began, at rest
+  Posture start;  ///< start, at rest
   std::vector<Piece> pieces;
 
   [[nodiscard]] int ticks() const;
 };
 
-/// A rest on the way: a motion that was replaced when only the COM had still to settle would have ended there, and what
-/// leads from it back to the start was verified then.
+/// A planned rest on a trail: the end of a motion that was replaced while only its COM had yet to settle. The path from
+/// there back to the start was verified with that motion.
 struct Halt {
-  std::size_t piece = 0;  ///< of the trail: the motion that would have ended there
-  int passed = 0;         ///< sample of the trail's reverse at which that motion is reached
+  std::size_t piece = 0;  ///< index of the motion that would have ended there
+  int passed = 0;         ///< sample of the reversed trail at which that motion is reached
 };
 
 [[nodiscard]] Trail trail_of(const Posture& start, const Motion& motion);
 
-/// The same trail, its last motion replaced by `next` when `ticks` of it were executed.
+/// The trail continued: `next` replaced its last motion after `ticks`.
 [[nodiscard]] Trail continued(Trail trail, int ticks, const Motion& next);
 
-/// The rests on the way, from the end of the trail to its start.
+/// Planned rests on the trail, from its end to its start.
 [[nodiscard]] std::vector<Halt> halts(const Trail& trail);
 
-/// The way to such a rest.
+/// The trail that ends at such a rest.
 [[nodiscard]] Trail trail_to(const Trail& trail, const Halt& halt);
 
-/// The same path backwards, to be verified: from where `trail` ends to where it began.
+/// The trail reversed, from its end to its start; not yet verified.
 [[nodiscard]] Motion reversed(const RobotModel& robot, const Trail& trail);
 
-/// The phases of the first `ticks` of a motion that has these.
+/// The phases of a motion's first `ticks`.
 [[nodiscard]] std::vector<ContactPhase> first_phases(const std::vector<ContactPhase>& phases, int ticks);
 
-/// Fills in which soles stand at a motion's samples by its phases: where two meet, the later one counts.
+/// Sets the stance soles of a motion's samples from its phases; at a boundary the later phase counts.
 void set_contacts(Motion& motion);
 
-/// Fills in velocities and accelerations of a motion's samples by differences of their configurations; before the first
-/// the robot moved with the motion's `dq0`, after the last it rests.
+/// Sets velocities and accelerations of a motion's samples by finite differences. The velocity before the first sample
+/// is the motion's `dq0`; after the last the robot is at rest.
 void differentiate(const RobotModel& robot, Motion& motion);
 
 }  // namespace baton

@@ -10,11 +10,11 @@
 namespace baton {
 namespace {
 
-constexpr int kShiftKnots = 5;   ///< intervals of the VRP in a segment of one phase
-constexpr double kLevel = 2e-3;  ///< [m] footholds nearer in height need no shaped swing
+constexpr int kShiftKnots = 5;   ///< VRP intervals of a single-phase segment
+constexpr double kLevel = 2e-3;  ///< [m] height difference of footholds below which the swing needs no shaping
 
-/// A foot that hangs in the air and lands elsewhere: shares of its way down at which it begins to sink, and at which it
-/// is above that place. There may be an edge between.
+/// For a foot that hangs in the air and lands elsewhere: fractions of the descent at which it starts to sink, and at
+/// which it is above the foothold. There may be an edge in between.
 constexpr std::pair<double, double> kBeside{0.4, 0.7};
 
 constexpr double kGapReserve = 1e-3;   ///< [m]
@@ -48,22 +48,22 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
   std::vector<double> shares{1.0};
   contact_ = {both};
   std::vector<VrpKnot> knots;
-  // The COM goes on with the acceleration that it has.
+  // The COM continues with its current acceleration.
   const Vec3 drive = from.com - from.ddcom / (robot.omega() * robot.omega());
   const auto wish = [&](double t, const Vec3& place, double weight) {
     const Vec3 level = from.com + t / static_cast<double>(contact_.size()) * (goal.com - from.com);
     knots.push_back({t, Vec3(place.x(), place.y(), level.z()), weight});
   };
-  // Beside the paper's knots at the borders of the phases there are some within each: with them the ZMP need not wander
-  // farther out the longer the motion takes, and the shortest motion comes nearer to what is possible. Those of a step
-  // were sought: near its borders, for a quick switch, and two in the single support, it stays within 1.25 of the
-  // bound.
+  // Besides the paper's knots at the phase boundaries there are some within each phase: otherwise the ZMP strays
+  // farther out with longer durations, and the shortest motion is longer than necessary. Those of a step were found by
+  // search: near its boundaries, for a quick transfer, and two in single support; durations then stay within 1.25 of
+  // the lower bound.
   const std::array<double, 4>& w = profile.weights;
   const Vec3 stance = goal.swing ? from.sole[other(*goal.swing)].p : from.com;
   switch (kind) {
     case Swing::step:
       shares.assign(step.begin(), step.end());
-      if (from.lift_off && from.lift_off->side == *goal.swing) {  // the weight is on its way already
+      if (from.lift_off && from.lift_off->side == *goal.swing) {  // the weight shift is under way
         const double swing = step[1] * first_duration_;
         const double after = step[2] * first_duration_;
         first_duration_ = from.lift_off->remaining + swing + after;
@@ -90,7 +90,7 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
       break;
     case Swing::lower:
       shares.assign(profile.lower.begin(), profile.lower.end());
-      if (from.flight) {  // the swing takes what is left of it, and after it as long as after a step
+      if (from.flight) {  // remaining swing, then as long as after a step
         first_duration_ = from.flight->remaining + step[2] * first_duration_;
         shares = {from.flight->remaining / first_duration_, 1.0 - from.flight->remaining / first_duration_};
       }
@@ -115,13 +115,13 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
   if (!(from.contact_before.left && from.contact_before.right))
     com_.at_start = support_polygon(robot, from.sole, from.contact_before, from.com, plane);
   for (std::size_t i = 0; i < shares.size(); ++i) {
-    // Soles move only while they are up: before the swing all are where they were, after it where they go.
+    // Soles move only in swing: before it they are at the start, after it at the goal.
     const BySide<Pose>& sole = i == 0 ? from.sole : goal.sole;
     const Vec3 com = from.com + (goal.com - from.com) * (static_cast<double>(i) / static_cast<double>(shares.size()));
     com_.phases.push_back({shares[i], support_polygon(robot, sole, contact_[i], com, plane)});
   }
   if (goal.swing) {
-    // Turned soles may pass each other too closely on the straight way.
+    // On a straight path, yawed soles may pass too close to each other.
     const double wanted = robot.profile().region.sole_gap + kGapReserve;
     while (outward_ < kMostOutward && least_gap() < wanted)
       outward_ += kOutwardStep;
@@ -194,7 +194,7 @@ Pose Segment::swing(double t, double duration) const {
   const Pose& a = from_.sole[side];
   const Pose& b = goal_.sole[side];
   const double rise = b.p.z() - a.p.z();
-  // Edges are cleared by moving forward late on the way up and early on the way down.
+  // To clear edges, move horizontally late when going up and early when going down.
   double begin = 0.0;
   double end = 1.0;
   const bool stood = from_.contact[side];
@@ -209,11 +209,11 @@ Pose Segment::swing(double t, double duration) const {
   const Carry on = carry(t, end * duration);
   Pose pose;
   pose.p = a.p + s * (b.p - a.p) + on.velocity * rate.v + on.acceleration * rate.a;
-  // Outward at once: feet far apart ahead overlap, seen from the side, as soon as one begins to pass.
+  // Move outward at once: feet far apart fore and aft overlap sideways as soon as one begins to pass.
   const double bow = 1.0 - std::pow(2.0 * s - 1.0, 4);
   pose.p += from_.sole[other(side)].R * Vec3(0, sign_of(side) * outward_ * bow, 0);
   pose.R = rotation_exp(on.velocity * rate.rate + on.acceleration * rate.rate_change) * interpolate(a.R, b.R, s);
-  // Up to the apex and down again: two quintics, smooth to the second derivative.
+  // Up to the apex and down: two quintics, continuous to the second derivative.
   const Vec2 top = apex(duration);
   const double up = top.x();
   if (t < up) {

@@ -1,5 +1,4 @@
-/// A goal made into a segment: contact phases, COM problem, and the paths of swing foot, trunk and hands for any
-/// duration.
+/// Goal → segment: contact phases, COM problem, and paths of swing foot, trunk and hands for any duration.
 #pragma once
 
 #include "baton/ik/inverse_kinematics.hpp"
@@ -13,10 +12,10 @@ namespace baton {
 
 class Segment {
  public:
-  /// Which phases a segment has: a foot that stands and lands, double–single–double support (a step); that stands and
-  /// stays up, double–single (lift); that is up and lands, single–double (lower, or the rest of a step); that is up and
-  /// stays so, single (air); no foot, double (shift, reach).
-  /// @param rates how the parts move in `from`: their paths go on from there
+  /// The phases follow from the swing foot. It stands and lands: double–single–double support (step). It stands and
+  /// stays up: double–single (lift). It is up and lands: single–double (lower, or rest of a step). It is up and stays
+  /// up: single (air). None: double (shift, reach).
+  /// @param rates velocities of the parts at `from`, from which their paths continue
   Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const Limits& limits,
           const PartRates& rates = {});
 
@@ -26,31 +25,31 @@ class Segment {
 
   [[nodiscard]] const ComProblem& com() const { return com_; }
 
-  /// The duration to be tried first [s].
+  /// First duration to try [s].
   [[nodiscard]] double first_duration() const { return first_duration_; }
 
-  /// When the swing foot is highest, and how high that is: time [s] and height [m].
+  /// Swing apex: time [s] and height [m].
   [[nodiscard]] Vec2 apex(const Timing& timing) const;
 
-  /// The phase in which a foot is in the air and moves; none: no foot moves.
+  /// The swing phase; none: no foot moves.
   [[nodiscard]] std::optional<std::size_t> swing_phase() const;
 
-  /// Which soles stand at a time [s]; where two phases meet, the later one counts.
+  /// Stance soles at time t [s]; at a phase boundary the later phase counts.
   [[nodiscard]] BySide<bool> contact(const Timing& timing, double t) const;
 
   [[nodiscard]] std::vector<ContactPhase> phases(const Timing& timing) const;
 
-  /// Targets of inverse kinematics at a time [s].
+  /// Targets of inverse kinematics at time t [s].
   [[nodiscard]] IkTargets targets(const ComPath& path, const Timing& timing, double t) const;
 
  private:
-  /// When and how high the apex of a swing that takes `duration` is: [s], [m].
+  /// Apex of a swing of `duration` [s]: time [s] and height [m].
   [[nodiscard]] Vec2 apex(double duration) const;
-  /// The swing foot at `t` of a swing that takes `duration` [s].
+  /// Swing foot pose at time t of a swing of `duration` [s].
   [[nodiscard]] Pose swing(double t, double duration) const;
-  /// Least gap of the two soles' outlines along the swing [m].
+  /// Least gap between the sole outlines along the swing [m].
   [[nodiscard]] double least_gap() const;
-  /// Whether the swing foot lands beside where it is.
+  /// Whether a foot in the air lands beside its current position.
   [[nodiscard]] bool beside() const;
 
   const RobotModel* robot_;
@@ -61,7 +60,7 @@ class Segment {
   std::vector<BySide<bool>> contact_;  ///< by phase
   double first_duration_ = 0.0;
   ComProblem com_;
-  double outward_ = 0.0;  ///< how far the swing bends away from the stance foot, to keep the gap [m]
+  double outward_ = 0.0;  ///< outward bend of the swing, away from the stance foot, to keep the gap [m]
 };
 
 }  // namespace baton

@@ -8,19 +8,19 @@
 namespace baton {
 namespace {
 
-constexpr int kShrinkings = 3;         ///< shares of a goal that are tried
-constexpr std::size_t kAxesTried = 3;  ///< one by one, when nothing along the direction can be had
-constexpr double kWorth = 0.05;        ///< least part of the guided part's reach that a shrunk motion makes
-constexpr double kSooner = 0.5;        ///< share of what is left of its flight in which a foot may land, to stop
-constexpr double kFalls = 0.1;  ///< of the DCM beyond what holds it: then a step aside is tried, too [COM height]
+constexpr int kShrinkings = 3;         ///< scaled-down goals tried
+constexpr std::size_t kAxesTried = 3;  ///< single axes tried when nothing along the direction is feasible
+constexpr double kWorth = 0.05;        ///< least displacement of a shrunk motion, fraction of the part's reach
+constexpr double kSooner = 0.5;        ///< fraction of the remaining flight after which a foot may land, to stop
+constexpr double kFalls = 0.1;         ///< DCM excess from which a step aside is also tried [COM height]
 
-/// What a planner answered, as an answer to a request.
+/// Turns a planner's result into an answer to a request.
 std::variant<std::monostate, PlannedMotion, Refusal> outcome_of(PlanResult planned) {
   if (auto* motion = std::get_if<PlannedMotion>(&planned)) return std::move(*motion);
   return std::get<Refusal>(std::move(planned));
 }
 
-/// The trail of the motion that replaces, or begins, what the robot executes; null if that is on none.
+/// The trail of the motion that replaces or follows the executed one; null if there is none.
 std::shared_ptr<const Trail> trail_with(const Start& start, const Motion& motion) {
   if (start.sample < 0) return std::make_shared<const Trail>(trail_of(start.posture, motion));
   if (!start.trail) return nullptr;
@@ -117,7 +117,7 @@ Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<cons
 
 Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
   const GuideContext& context = request.start.context;
-  if (request.start.sample < 0) {  // at rest: a foot in the air is put down
+  if (request.start.sample < 0) {  // at rest: put down a foot in the air
     return resolve(limits, request, guide_.goals(context, Command{.guide = request.command.guide}));
   }
   GuideResult ways = guide_.stops(context);
@@ -131,7 +131,7 @@ Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capt
   const GuideResult ways = guide_.catches(context, capture.by, falls);
   const auto* goals = std::get_if<std::vector<Goal>>(&ways);
   if (goals == nullptr) return std::monostate{};
-  // Until a foot lands, what no ZMP holds grows; there, the foot gains what it went farther.
+  // The excess grows until touchdown; there the foothold adjustment is subtracted.
   const auto lacks = [&](double t, double gained) {
     return capture.dcm_excess * std::exp(robot_->omega() * t) - gained;
   };
@@ -157,7 +157,7 @@ Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capt
 
 Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {
   std::vector<Posture> starts{request.start.posture};
-  if (request.start.posture.flight) {  // the foot may also come down sooner than it was to
+  if (request.start.posture.flight) {  // the foot may also land earlier than planned
     Flight& flight = *starts.emplace_back(request.start.posture).flight;
     const double left = std::max(kLeastFlight, kSooner * flight.remaining);
     flight.to_apex *= left / flight.remaining;
@@ -208,8 +208,8 @@ std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Reques
     (tried(guide_.shortened(request.start.context, command, share)) ? done : refused) = share;
   }
   if (best) return best;
-  // Nowhere along the direction: along the limit then, a foot to the edge of its region, or any part by the axis that
-  // asks for most, or the next.
+  // Nothing along the direction is feasible, so try along the limit: a foot to the border of its region, or any part by
+  // its largest axis alone, then the next.
   if (is_foot(command.guide)) {
     const Command within = guide_.within_region(request.start.context, command);
     if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;

@@ -1,4 +1,4 @@
-/// What the operator asks for, or a part of it, as a verified motion: what is tried, and in which order.
+/// Which motions are tried, and in which order, to fulfil a request wholly or in part.
 #pragma once
 
 #include "baton/plan/modes.hpp"
@@ -6,10 +6,10 @@
 
 namespace baton {
 
-/// Request → answer. A pure function that takes milliseconds; may run on a thread of its own.
+/// Request → answer. A pure function that takes milliseconds and may run on a separate thread.
 class Strategy {
  public:
-  /// Robot and world must outlive the object.
+  /// `robot` and `world` must outlive this object.
   Strategy(const RobotModel& robot, const World& world, Modes modes = {});
   [[nodiscard]] Answer plan(const Request& request);
 
@@ -18,33 +18,33 @@ class Strategy {
 
   [[nodiscard]] Answer attempt(const Request& request, const Intent& intent);
   [[nodiscard]] Answer attempt_capture(Request request, const Catch& capture);
-  /// On uneven ground with a larger margin of the ZMP first.
+  /// On uneven ground, tries a larger ZMP margin first.
   [[nodiscard]] Outcome follow_or_stop(const Request& request, bool stops);
-  /// What the command asks for, or a part of it.
+  /// Follows the command, wholly or in part.
   [[nodiscard]] Outcome follow(const Limits& limits, const Request& request);
-  /// The first goal that has a verified motion.
+  /// Plans the first of the guide's goals that has a verified motion.
   [[nodiscard]] Outcome resolve(const Limits& limits, const Request& request, GuideResult guided);
-  /// The way back, or the part of it that can be taken; `left` is then what is left of the trail.
+  /// Retraces the trail, or the feasible part of it; `left` is then the remaining trail.
   [[nodiscard]] Outcome go_back(const Request& request, std::shared_ptr<const Trail>& left);
-  /// The quickest way to rest on both feet.
+  /// Finds the quickest motion to rest on both feet.
   [[nodiscard]] Outcome stop(const Limits& limits, const Request& request);
-  /// A step that catches the robot: the first that gets there in time, or comes nearest to it.
+  /// A capture step: the first that arrives in time, or else the one that comes closest.
   [[nodiscard]] Outcome catch_step(const Request& request, const Catch& capture);
-  /// The quickest motion to any of these goals; a foot in the air may also land sooner than it was to.
+  /// The quickest motion to any of the goals; a foot in the air may also land earlier than planned.
   [[nodiscard]] Outcome quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
-  /// To a rest on the trail.
+  /// Stops at a planned rest on the trail.
   [[nodiscard]] Outcome halt(const Request& request, const Halt& rest);
-  /// A motion that goes a part of the way, as far as that is found in a few tries and worth it.
-  /// @param against what speaks against the whole
+  /// A shrunk motion that goes part of the way, if one worth executing is found in a few tries.
+  /// @param against refusal of the whole request
   [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request,
                                                     const Refusal& against);
-  /// Whether the guided part comes anywhere by it.
+  /// Whether the motion moves the guided part far enough to be worth executing.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
-  /// The first of these goals that has a verified motion; else what speaks against the first.
+  /// The first goal with a verified motion; else the refusal of the first goal.
   [[nodiscard]] PlanResult first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
-  /// What speaks against lifting a foot, while the other stands on an edge.
+  /// Why a foot cannot lift off while the other stands on an edge.
   [[nodiscard]] static std::optional<Refusal> no_stance(const Motion& motion, const Request& request);
-  /// What speaks against putting down, from there, a foot that `motion` leaves in the air; none: it can be put down.
+  /// Why a foot that `motion` leaves in the air could not land from there; none: it can.
   [[nodiscard]] std::optional<Refusal> no_landing(const Motion& motion, const GuideContext& context);
 
   const RobotModel* robot_;

@@ -9,10 +9,10 @@
 namespace baton {
 namespace {
 
-constexpr int kPostures = 24;       ///< looked at, about
-constexpr double kSpacing = 0.02;   ///< but none nearer to each other than this [s]
-constexpr int kSwingPostures = 20;  ///< the same while a foot swings
-constexpr int kIterations = 12;     ///< of inverse kinematics for each
+constexpr int kPostures = 24;       ///< approximate number of postures
+constexpr double kSpacing = 0.02;   ///< least spacing of postures [s]
+constexpr int kSwingPostures = 20;  ///< number of postures in swing
+constexpr int kIterations = 12;     ///< iterations of inverse kinematics per posture
 constexpr InverseKinematics::Parameters kCoarse{.tolerance = 1e-5};
 
 Refusal fails(Reason reason, double value, double limit, const std::string& where) {
@@ -25,7 +25,7 @@ std::vector<double> times(const Segment& segment, const Timing& timing) {
   for (std::size_t i = 0; i + 1 < timing.border.size(); ++i) {
     const double begin = timing.border[i] * timing.period;
     const double end = timing.border[i + 1] * timing.period;
-    const bool swings = segment.swing_phase() == i;  // there accelerations change most quickly
+    const bool swings = segment.swing_phase() == i;  // where accelerations change fastest
     const int parts = swings ? kSwingPostures : std::max(2, static_cast<int>(std::lround((end - begin) / spacing)));
     for (int k = 1; k <= parts; ++k)
       t.push_back(begin + (end - begin) * k / parts);
@@ -56,7 +56,7 @@ std::optional<Refusal> Survey::follow(const Segment& segment, const ComPath& pat
   step.assign(t.size() + 1, VecX::Zero(robot_->nv()));
   const bool again = looked.size() == t.size();
   const bool moving = !from.dq.isZero(0.0);
-  std::optional<Refusal> hasty;  // what asks for more time, most of all
+  std::optional<Refusal> hasty;  // the refusal that needs the most additional time
   double worst = 1.0;
   for (std::size_t i = 1; i < t.size(); ++i) {
     const double h = t[i] - t[i - 1];
@@ -70,7 +70,7 @@ std::optional<Refusal> Survey::follow(const Segment& segment, const ComPath& pat
       const auto n = static_cast<Eigen::Index>(j);
       const double room = std::min(q[i][7 + n] - joint.position.lo, joint.position.hi - q[i][7 + n]);
       if (room < limits.joint) return fails(Reason::joint_limit, room, limits.joint, joint.name);
-      // The mean speed between two looks: if that is too much, the largest is.
+      // Mean speed between two postures: a lower bound on the peak.
       const double speed = std::abs(step[i][6 + n]);
       if (speed > worst * joint.speed) {
         worst = speed / joint.speed;

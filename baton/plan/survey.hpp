@@ -1,4 +1,4 @@
-/// A look along a candidate motion: inverse kinematics and dynamics at a few of its postures only.
+/// Coarse rollout of a candidate motion: inverse kinematics and dynamics at a few postures.
 #pragma once
 
 #include <variant>
@@ -8,31 +8,30 @@
 
 namespace baton {
 
-/// Share by which a torque that a survey finds may be too large: it is not exact.
+/// Tolerance factor on torques in a survey, which is approximate.
 inline constexpr double kRoughly = 1.05;
 
 class Survey {
  public:
-  /// The model must outlive the object.
+  /// `robot` must outlive this object.
   explicit Survey(const RobotModel& robot);
 
-  /// What certainly speaks against a candidate, so that it is not worth being worked out; else the limbs' part in its
-  /// ZMP.
-  /// @param looked in: postures of the last survey of this segment, or none: where this one starts from; out: its own
+  /// A refusal if the candidate certainly fails, to save the full computation; else the limbs' contribution to the ZMP.
+  /// @param looked in: postures of this segment's last survey, for warm start, or none; out: postures of this one
   [[nodiscard]] std::variant<VrpOffset, Refusal> look(const Segment& segment, const ComPath& path, const Timing& timing,
                                                       std::vector<VecX>& looked);
 
  private:
-  /// The postures looked at.
+  /// The sampled postures.
   struct Way {
     std::vector<double> t;   ///< [s]
     std::vector<VecX> q;     ///< (nq)
     std::vector<VecX> step;  ///< velocity between postures i − 1 and i; 0 before the first and after the last (nv)
   };
-  /// Postures by inverse kinematics; a refusal if a joint or its speed is out of bounds, or a part out of reach.
+  /// Solves inverse kinematics; a refusal if a joint angle or speed is out of bounds, or a part out of reach.
   [[nodiscard]] std::optional<Refusal> follow(const Segment& segment, const ComPath& path, const Timing& timing,
                                               const std::vector<VecX>& looked, Way& way);
-  /// The limbs' part in the ZMP; a refusal if a motor is too weak.
+  /// The limbs' contribution to the ZMP; a refusal if a motor is too weak.
   [[nodiscard]] std::variant<VrpOffset, Refusal> load(const Segment& segment, const ComPath& path, const Timing& timing,
                                                       const Way& way);
 

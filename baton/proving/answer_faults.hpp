@@ -1,4 +1,4 @@
-/// Faults of the planner's answers on their way to the navigator.
+/// Fault injection: planner answers that are delayed or lost.
 #pragma once
 
 #include "baton/proving/dice.hpp"
@@ -7,18 +7,18 @@
 namespace baton {
 
 struct AnswerFaults {
-  double delay = 0.0;  ///< each comes late, by at most this [s]
-  double loss = 0.0;   ///< share of answers that never come
+  double delay = 0.0;  ///< largest delay of an answer [s]
+  double loss = 0.0;   ///< fraction of answers lost
 
   [[nodiscard]] bool any() const { return delay > 0.0 || loss > 0.0; }
 };
 
-/// A planner whose answers come late or not at all, at random.
+/// Wraps a planner and delays or drops its answers at random.
 class FaultyPlanning : public Planning {
  public:
-  /// @param planning must outlive the object
+  /// @param planning must outlive this object
   /// @param period of a tick [s]
-  /// @param seed of the delays and losses
+  /// @param seed seed of delays and losses
   FaultyPlanning(Planning& planning, const AnswerFaults& faults, double period, std::uint64_t seed);
 
   [[nodiscard]] bool idle() const override { return planning_->idle(); }
@@ -28,13 +28,13 @@ class FaultyPlanning : public Planning {
 
  private:
   Planning* planning_;
-  int latest_;  ///< [ticks] that an answer is late, at most
+  int latest_;  ///< largest delay of an answer [ticks]
   double loss_;
   std::uint64_t seed_;
   Dice dice_;
   long now_ = 0;       ///< tick of the last poll
-  long due_ = 0;       ///< tick from which the newest answer may come
-  bool lost_ = false;  ///< the newest answer is
+  long due_ = 0;       ///< tick from which the newest answer is delivered
+  bool lost_ = false;  ///< the newest answer is lost
 };
 
 }  // namespace baton

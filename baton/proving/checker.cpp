@@ -14,16 +14,16 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr mjtByte kGroundGroup = 5;
-// Of a step that catches the robot:
-constexpr double kCatchingTorque = 1.0;        ///< share of the stall torque
-constexpr double kCatchingAcceleration = 1.5;  ///< of the profile's
+// Limits of a capture step:
+constexpr double kCatchingTorque = 1.0;        ///< fraction of the stall torque
+constexpr double kCatchingAcceleration = 1.5;  ///< relative to the profile's
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Distance of `x` inside the hull of the points: to the nearest line through two of them that leaves all others on
-/// its left. −∞ without an area.
+/// Distance of `x` inside the points' hull: to the nearest line through two points that has all others on its left. −∞
+/// for a hull without area.
 double inside_hull(const std::vector<Vec2>& points, const Vec2& x) {
   double margin = kInfinity;
   for (const Vec2& a : points) {
@@ -78,7 +78,7 @@ void Checker::prepare_model() {
   for (const Side side : kSides)
     parts_.foot[side] = find_id(m, mjOBJ_BODY, name_of(robot_->mj(), mjOBJ_BODY, robot_->foot_body(side)), owner);
   const int root = m.body_rootid[parts_.foot.left];
-  // Forces of the links alone; collision finds what is nearer than twice the margin, without a force.
+  // No contact forces; collision detection within twice the margin.
   m.opt.disableflags |= mjDSBL_SPRING | mjDSBL_DAMPER;
   const double reach = 2.0 * robot_->profile().margin.self_collision;
   for (int g = 0; g < m.ngeom; ++g) {
@@ -134,7 +134,7 @@ const std::vector<Checker::Violation>& Checker::add(const Tick& tick) {
     still_ = false;
     return found_;
   }
-  // What does not move is judged once.
+  // Judge a state at rest once.
   const bool unmoved = before_ && same_place(*before_, tick);
   judge_joints(tick);
   if (before_) judge_step(*before_, tick);
@@ -201,14 +201,14 @@ void Checker::judge_contacts(const Tick& tick) {
       const int foot = m.geom_bodyid[is(parts_.of_foot, true) ? a : b];
       const Side side = foot == parts_.foot.left ? Side::left : Side::right;
       const double limit = -tolerance_.sink - place_tolerance_;
-      // One that stands was judged where it was put down, and may not slip; where that is, is believed anew each tick.
+      // A stance sole was judged at touchdown and must not slip; its estimated position changes every tick.
       const bool judged = tick.contact[side] && stood_[side];
       if (!judged && contact.dist < limit) {
         report(tick.contact[side] ? Kind::sole_ground : Kind::swing_ground, tick.t, contact.dist, limit, geoms(a, b));
       }
       continue;
     }
-    // Colliders of boxes look along few directions and may call near what is not: MuJoCo's distance decides.
+    // Box colliders test few directions and may report false proximity: MuJoCo's distance decides.
     const double limit = margin - (both ? tolerance_.exact : place_tolerance_);
     if (contact.dist >= limit) continue;
     const double distance = mj_geomDistance(&m, world_.get(), a, b, 2.0 * margin, nullptr);
@@ -238,7 +238,7 @@ void Checker::judge_soles(const Tick& tick) {
   }
 }
 
-/// Rays from a little above the sole down to the ground, all over the sole.
+/// Casts rays from just above the sole to the ground, all over the sole.
 void Checker::judge_ground(const Tick& tick, Side side) {
   const Pose pose = sole(side, *world_);
   const std::vector<Vec2>& rim = robot_->sole(side).vertices();
@@ -258,7 +258,7 @@ void Checker::judge_ground(const Tick& tick, Side side) {
         const double depth =
             mj_ray(model_.get(), world_.get(), start.data(), down.data(), only_ground.data(), 1, -1, &geom, nullptr);
         const double off = geom < 0 ? kInfinity : std::abs(depth - above);
-        // In its middle the sole lies on the ground; beyond, the ground may bend by what is flat enough.
+        // The sole's centre lies on the ground; elsewhere the ground may deviate within the flatness limit.
         const double limit = inward == 0 ? allowed - robot_->profile().ground.flatness : allowed;
         if (off > limit) worst = std::max(worst, off);
       }
@@ -284,7 +284,7 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
     if (!(rate <= limit * (1.0 + 1e-6))) report(Kind::joint_acceleration, tick.t, rate, limit, joint.name);
   }
 
-  // What must act from outside for this motion, contact left out.
+  // External forces required for this motion, without contact.
   const VecX speed = 0.5 * (from + to);
   const VecX rate = (to - from) / dt;
   mju_copy(d.qvel, speed.data(), m.nv);
@@ -301,7 +301,7 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
   const double friction = robot_->profile().margin.friction;
   if (!(slope <= friction + tolerance_.friction)) report(Kind::friction, tick.t, slope, friction);
 
-  // The planned soles seen from the COM, on the plane of the lower one; and where the line of force meets it.
+  // Project the planned soles from the COM onto the plane of the lower one, and intersect the line of force with it.
   double height = kInfinity;
   for (const Side side : kSides) {
     if (tick.contact[side]) height = std::min(height, sole(side, d).p.z());
@@ -328,7 +328,7 @@ void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& aft
   judge_torques(tick, force, speed, catching ? kCatchingTorque : robot_->profile().margin.torque);
 }
 
-/// Where one sole stands it carries all, and every torque is certain; arms carry nothing but themselves.
+/// In single support the stance sole carries everything, so every torque is determined; arms carry only themselves.
 void Checker::judge_torques(const Tick& tick, const VecX& force, const VecX& speed, double share) {
   const mjModel& m = *model_;
   mjData& d = *forces_;

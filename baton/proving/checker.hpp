@@ -1,5 +1,5 @@
-/// Checks a trajectory tick by tick by independent means: differences in time, MuJoCo's inverse dynamics, collision
-/// detection and rays. It knows robot and world, and shares no code with planner and verifier.
+/// Checks a trajectory tick by tick by independent means: finite differences, MuJoCo's inverse dynamics, collision
+/// detection and ray casts. It knows robot and world, and shares no code with planner and verifier.
 #pragma once
 
 #include <array>
@@ -15,48 +15,48 @@ namespace baton {
 class Checker {
  public:
   enum class Kind {
-    not_finite,          ///< a value that is not finite
-    clock,               ///< time does not advance by one period [s]
-    target,              ///< a joint is not where it was told to be [rad]
-    joint_range,         ///< joint nearer to its limits than the profile's margin [rad]
-    joint_speed,         ///< faster than the profile allows [rad/s]
-    joint_torque,        ///< share of the stall torque over the profile's, where contact leaves no doubt about it
-    joint_acceleration,  ///< more than the profile allows [rad/s²]
-    rest,                ///< something moves in hold [m or rad]
-    zmp,             ///< of the whole body, nearer to the edge of the planned soles' hull than the profile's margin [m]
-    friction,        ///< tangential over vertical force on the ground; infinite where the ground would have to pull
-    self_collision,  ///< links nearer to each other than the profile's margin [m]
-    obstacle,        ///< a link nearer to the world, or a sole to what may not be stood on [m]
-    slip,            ///< a standing sole moves [m]
-    swing_ground,    ///< a sole that does not stand is below the ground [m]
-    sole_ground,     ///< a standing sole is not on known, flat enough ground [m]
+    not_finite,          ///< a non-finite value
+    clock,               ///< time does not advance by one tick [s]
+    target,              ///< a joint is off its target [rad]
+    joint_range,         ///< joint closer to its limits than the profile's margin [rad]
+    joint_speed,         ///< above the profile's limit [rad/s]
+    joint_torque,        ///< fraction of stall torque above the profile's, where contact does not make it ambiguous
+    joint_acceleration,  ///< above the profile's limit [rad/s²]
+    rest,                ///< something moves at rest [m or rad]
+    zmp,                 ///< whole-body ZMP margin in the hull of the planned soles below the profile's [m]
+    friction,            ///< tangential over vertical ground force; infinite if the ground would have to pull
+    self_collision,      ///< links closer to each other than the profile's margin [m]
+    obstacle,            ///< a link too close to the world, or a sole to what cannot be stood on [m]
+    slip,                ///< a stance sole moves [m]
+    swing_ground,        ///< a swing sole is below the ground [m]
+    sole_ground,         ///< a stance sole is not on known, flat enough ground [m]
   };
   static constexpr std::array<std::string_view, 15> kNames{
       "not_finite", "clock", "target",   "joint_range",    "joint_speed", "joint_torque", "joint_acceleration",
       "rest",       "zmp",   "friction", "self_collision", "obstacle",    "slip",         "swing_ground",
       "sole_ground"};
 
-  /// What a trajectory may miss a limit by. Limits are those of the profile, which the plan keeps at the places that it
-  /// wants; what is executed lies beside them by the residual of inverse kinematics.
+  /// Tolerances on the profile's limits. The plan keeps the limits for the desired positions; the executed ones deviate
+  /// by the residual of inverse kinematics.
   struct Tolerances {
-    double residuals = 2.0;   ///< [the profile's ik residuals] place of a sole or link: two soles' residuals add up
-    double sink = 1e-4;       ///< [m] beyond that, a sole in the ground where it leaves or meets it
-    double zmp = 1e-4;        ///< [m] what such a residual moves the hull by
-    double friction = 0.002;  ///< [-] the seam of two motions: accelerations at the end of one and the start of the
-    double load = 0.002;      ///< [of stall torque] next act at the same tick
-    double still = 1e-7;      ///< [m or rad] a resting posture is worked out anew from its soles
-    double exact = 1e-9;      ///< [rad, s] rounding where numbers are handed on
+    double residuals = 2.0;   ///< [the profile's ik residuals] position of a sole or link: two soles' residuals add up
+    double sink = 1e-4;       ///< [m] additional penetration of a sole at liftoff and touchdown
+    double zmp = 1e-4;        ///< [m] shift of the hull by such a residual
+    double friction = 0.002;  ///< [-] where two motions meet, accelerations of the end of one and the start
+    double load = 0.002;      ///< [of stall torque] of the next act at the same tick
+    double still = 1e-7;      ///< [m or rad] a resting posture is recomputed from its soles
+    double exact = 1e-9;      ///< [rad, s] rounding
   };
 
-  /// One tick. `q` is in a frame that is level (position and yaw), `frame` its pose in the world.
+  /// One tick. `q` is in a level frame, whose pose in the world (position and yaw) is `frame`.
   struct Tick {
     double t = 0.0;  ///< [s]
     Pose frame;
     VecX q;                            ///< configuration (nq)
-    BySide<bool> contact{true, true};  ///< soles that are planned to stand
+    BySide<bool> contact{true, true};  ///< planned stance soles
     bool hold = true;                  ///< no motion is under way
-    bool catching = false;             ///< a step that catches the robot, with laxer margins, is
-    VecX target;                       ///< where the joints shall be at the next tick (n) [rad]
+    bool catching = false;             ///< a capture step, with laxer margins, is under way
+    VecX target;                       ///< joint angles commanded for the next tick (n) [rad]
   };
 
   struct Violation {
@@ -64,11 +64,11 @@ class Checker {
     double t = 0.0;  ///< [s]
     double value = 0.0;
     double limit = 0.0;
-    std::string where;  ///< joint, geoms or foot; may be empty
+    std::string where;  ///< joint, geoms or foot; can be empty
   };
 
-  /// @param model_text world and robot in one model (MJCF)
-  /// @throws InputError the world has joints of its own, or the model lacks a part of the robot
+  /// @param model_text model of robot and world (MJCF)
+  /// @throws InputError the world has joints, or the model lacks a part of the robot
   Checker(const RobotModel& robot, const std::string& model_text, const Tolerances& tolerances);
   Checker(const RobotModel& robot, const std::string& model_text) : Checker(robot, model_text, Tolerances{}) {}
 
@@ -89,7 +89,7 @@ class Checker {
   void judge_torques(const Tick& tick, const VecX& force, const VecX& speed, double share);
   [[nodiscard]] std::string geoms(int a, int b) const;
 
-  /// What the parts of the model are.
+  /// Roles of geoms, bodies and joints.
   struct Parts {
     std::vector<char> of_robot;  ///< by geom
     std::vector<char> of_foot;   ///< by geom
@@ -102,13 +102,13 @@ class Checker {
   Tolerances tolerance_;
   double place_tolerance_ = 0.0;  ///< [m]
   ModelPtr model_;
-  DataPtr world_;   ///< placed in the world, at the newest tick
-  DataPtr forces_;  ///< placed in the frame of `q`, at the tick before
+  DataPtr world_;   ///< in the world frame, newest tick
+  DataPtr forces_;  ///< in the frame of `q`, previous tick
   Parts parts_;
   std::optional<Tick> before_;
   std::optional<Tick> earlier_;
-  BySide<std::optional<Pose>> stood_;  ///< where a standing sole began to stand, in the frame of `q`
-  bool still_ = false;                 ///< nothing has changed from `earlier_` to `before_`, and that was judged
+  BySide<std::optional<Pose>> stood_;  ///< touchdown pose of a stance sole, in the frame of `q`
+  bool still_ = false;                 ///< nothing changed from `earlier_` to `before_`, and that was judged
   std::vector<Violation> found_;
 };
 

@@ -1,4 +1,4 @@
-/// Threads that drive episodes.
+/// Worker threads that run episodes.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace baton {
 
-/// Episodes from `first` on, driven by several threads, handed out in their order.
+/// Runs episodes from `first` on in several threads and returns the results in order.
 class Crew {
  public:
   Crew(const Episodes& episodes, long first, int jobs)
@@ -32,8 +32,8 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// The next episode's result, if it is there in time.
-  /// @throws what a thread could not go on for
+  /// The next episode's result, if ready in time.
+  /// @throws any exception that stopped a thread
   [[nodiscard]] std::optional<EpisodeResult> wait(std::chrono::milliseconds time) {
     std::unique_lock<std::mutex> lock(mutex_);
     done_.wait_for(lock, time, [this] { return error_ || results_.contains(wanted_); });
@@ -52,7 +52,7 @@ class Crew {
     try {
       for (;;) {
         std::unique_lock<std::mutex> lock(mutex_);
-        // Not too far ahead of one that takes long.
+        // Not too far ahead of a slow episode.
         room_.wait(lock, [this] { return stop_ || results_.size() < ahead_; });
         if (stop_) return;
         const long index = next_++;
@@ -71,7 +71,7 @@ class Crew {
   }
 
   const Episodes* episodes_;
-  std::size_t ahead_;  ///< results that may wait for an earlier one
+  std::size_t ahead_;  ///< most results waiting for an earlier one
   std::mutex mutex_;
   std::condition_variable done_;
   std::condition_variable room_;

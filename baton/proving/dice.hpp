@@ -1,4 +1,4 @@
-/// Random numbers that are the same on every computer.
+/// Random numbers that are identical on every platform.
 #pragma once
 
 #include <cmath>
@@ -7,10 +7,10 @@
 
 namespace baton {
 
-/// Seed of one of many random streams, mixed so that neighbouring seeds have nothing in common.
+/// Seed of one of many random streams, mixed so that neighbouring seeds are uncorrelated.
 [[nodiscard]] std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t stream);
 
-/// Random integers, and other values made from them by exact arithmetic.
+/// Random integers, and values derived from them by exact arithmetic.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
@@ -20,9 +20,9 @@ class Dice {
   [[nodiscard]] int between(int lo, int hi) { return lo + below(hi - lo + 1); }
   [[nodiscard]] bool percent(int chance) { return below(100) < chance; }
   [[nodiscard]] double sign() { return percent(50) ? 1.0 : -1.0; }
-  /// 0 … 1, a multiple of 2⁻⁵³, without 1.
+  /// In [0, 1), a multiple of 2⁻⁵³.
   [[nodiscard]] double share() { return std::ldexp(static_cast<double>(engine_() >> 11), -53); }
-  /// −1 … 1, a multiple of 1/1024.
+  /// In [−1, 1], a multiple of 1/1024.
   [[nodiscard]] double axis() { return (below(2049) - 1024) / 1024.0; }
 
  private:

@@ -11,12 +11,12 @@
 namespace baton {
 namespace {
 
-constexpr double kComesToRest = 20.0;  ///< [s] within which a robot that is let go has to rest
-constexpr double kRests = 0.25;        ///< [s] without a motion: nothing is being planned either
-constexpr long kRetraced = 5;          ///< motions back at the end, at most
+constexpr double kComesToRest = 20.0;  ///< [s] a robot must come to rest within this after release
+constexpr double kRests = 0.25;        ///< [s] without a motion: no planning under way either
+constexpr long kRetraced = 5;          ///< most motions retraced at the end
 
-/// In physics soles sink, and the planning frame is laid on where they are believed to be: as near to the known ground
-/// as its unevenness lets be told. In a scenario it is falls that count: the ground is not as planned.
+/// In physics soles sink and the planning frame follows their estimated positions, so penetration is judged within the
+/// ground's flatness. In a scenario only falls count, as the ground is not as planned.
 std::optional<Checker> checker_of(const Trial& trial, const RobotModel& robot, const Simulation& simulation) {
   if (trial.scenario != nullptr) return std::nullopt;
   Checker::Tolerances tolerances;
@@ -36,7 +36,7 @@ Simulation::Parameters parameters_of(const Trial& trial, const RobotModel& robot
   return parameters;
 }
 
-/// One episode while it runs.
+/// A running episode.
 class Run {
  public:
   Run(const RobotModel& robot, const World& world, const Trial& trial, long index)
@@ -70,12 +70,12 @@ class Run {
       if (!go_back(stop)) return;
     }
     if (session_.fallen()) {
-      step(Command{});  // as `drive` does: the last row says so
+      step(Command{});  // as `drive` does, so the last row shows it
       failures_.add("fall", session_.t(), 0.0, 0.0, simulation_.truth().fall);
     }
   }
 
-  /// Ends it for good: an exception.
+  /// Ends the episode after an exception.
   void fail(const std::string& what) { failures_.add("exception", session_.t(), 0.0, 0.0, what); }
 
   [[nodiscard]] EpisodeResult result() {
@@ -99,7 +99,7 @@ class Run {
     tally_.ticks += back ? 0 : 1;
   }
 
-  /// Lets go of the stick; false if that does not bring the robot to rest.
+  /// Releases the stick; false if the robot does not come to rest.
   bool come_to_rest(const std::atomic<bool>& stop) {
     const double period = session_.model().profile().tick.period;
     const long latest = ticks_ + std::lround(kComesToRest / period);
@@ -114,7 +114,7 @@ class Run {
     return true;
   }
 
-  /// The last few motions back, with retrace held: let go of, a long way back would end early.
+  /// Retraces the last few motions. Retrace stays held, since releasing it would end a long retrace early.
   bool go_back(const std::atomic<bool>& stop) {
     way_back_.begin();
     Command press;
@@ -127,7 +127,7 @@ class Run {
     return come_to_rest(stop);
   }
 
-  /// Counts the motions during which the stick was let go of.
+  /// Counts motions during which the stick was released.
   void note_letting_go(bool deflected) {
     const long segment = session_.navigator().segment();
     if (std::exchange(was_deflected_, deflected) && !deflected && segment >= 0 && segment != let_go_in_) {
@@ -149,8 +149,8 @@ class Run {
   long ticks_ = 0;
   Command last_command_;
   bool was_deflected_ = false;
-  long let_go_in_ = -1;  ///< the segment in which the stick was let go of last
-  std::string back_;     ///< what was pressed on the way back
+  long let_go_in_ = -1;  ///< segment in which the stick was last released
+  std::string back_;     ///< stick while retracing
 };
 
 }  // namespace

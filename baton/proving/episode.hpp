@@ -1,5 +1,5 @@
-/// An episode of a soak: a fresh robot, a random stick, the way back, all of it judged. A function of robot, world,
-/// plant and seed.
+/// An episode of a soak test: a fresh robot, a random stick, then retracing; all of it judged. A function of robot,
+/// world, plant and seed.
 #pragma once
 
 #include <atomic>
@@ -13,37 +13,37 @@
 
 namespace baton {
 
-/// What the episodes of a soak have in common.
+/// Settings shared by the episodes of a soak.
 struct Trial {
   Simulation::On on = Simulation::On::ideal;
   Modes modes{};
   StateSource state = StateSource::sensors;
   std::uint64_t seed = 0;
-  double seconds = 120.0;              ///< with the stick; then it comes to rest, and goes a few motions back
-  const Scenario* scenario = nullptr;  ///< in physics, with a plant for each episode; there is no way back then
-  double times = 1.0;                  ///< factor on how far that is from the model
-  AnswerFaults answers{};              ///< what goes wrong with them, by the seed of each episode
+  double seconds = 120.0;              ///< driven by the stick; then the robot comes to rest and retraces a few motions
+  const Scenario* scenario = nullptr;  ///< in physics, with a plant per episode; no retracing then
+  double times = 1.0;                  ///< factor on the scenario's deviation from the model
+  AnswerFaults answers{};              ///< fault injection, seeded per episode
 };
 
 struct EpisodeResult {
   Tally tally;             ///< of this episode
-  nlohmann::json summary;  ///< as docs/report.md has it
-  long ticks = 0;          ///< all of them: driven, let go, and on the way back
-  VecX q;                  ///< configuration at the last of them
-  std::string back;        ///< what was pressed on the way back, as lines of a script
+  nlohmann::json summary;  ///< as in docs/report.md
+  long ticks = 0;          ///< total: driven, released and retracing
+  VecX q;                  ///< configuration at the last tick
+  std::string back;        ///< stick while retracing, as script lines
 };
 
 class Episodes {
  public:
-  /// Robot and world must outlive the object.
+  /// `robot` and `world` must outlive this object.
   Episodes(const RobotModel& robot, const World& world, const Trial& trial)
       : robot_(&robot), world_(&world), trial_(trial) {}
 
-  /// Drives one; for any number of threads at a time. Everything that goes wrong is in the result.
-  /// @param stop ends it at the next tick; the result is of no use then
+  /// Runs one episode; thread-safe. Reports all failures in the result.
+  /// @param stop ends the episode at the next tick; the result is then meaningless
   [[nodiscard]] EpisodeResult run(long index, const std::atomic<bool>& stop) const;
 
-  /// The stick of an episode as a script for `baton drive`.
+  /// The episode's stick as a script for `baton drive`.
   /// @param result its own
   [[nodiscard]] std::string script(long index, const EpisodeResult& result) const;
 

@@ -1,4 +1,4 @@
-/// The robot as a person in the room sees it: from outside, with an error.
+/// The robot as seen by a person in the room: from outside, with an error.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace baton {
 
-/// What can be seen of the robot, in the world.
+/// What is seen of the robot, in the world frame.
 struct Sight {
   BySide<Pose> sole;
   Vec3 com;
@@ -24,17 +24,17 @@ class Eyes {
   struct Parameters {
     double error = 0.001;      ///< standard deviation of seen positions [m]
     double yaw_error = 0.005;  ///< of seen headings [rad]
-    double foresight = 0.2;    ///< what moves is taken to go on for that long after the stick is let go of [s]
+    double foresight = 0.2;    ///< motion is assumed to continue for this long after release [s]
   };
 
-  /// @param robot must outlive the object
+  /// @param robot must outlive this object
   Eyes(const RobotModel& robot, std::uint64_t seed, const Parameters& parameters);
 
-  /// @throws std::logic_error the robot has no truth to be seen
+  /// @throws std::logic_error the robot has no truth
   [[nodiscard]] Sight look(const Operator::View& view);
 
-  /// What is seen, extrapolated to where the robot will come to rest if let go of now; as it is, if the last such look
-  /// was longer ago than `within` [s].
+  /// The sight extrapolated to where the robot would come to rest if released now; not extrapolated if the last call
+  /// was more than `within` [s] ago.
   [[nodiscard]] Sight foresee(const Operator::View& view, double within);
 
  private:
@@ -42,7 +42,7 @@ class Eyes {
   std::mt19937_64 random_;
   Kinematics kinematics_;
   std::optional<Sight> last_;
-  double looked_ = 0.0;  ///< then [s]
+  double looked_ = 0.0;  ///< time of `last_` [s]
 };
 
 }  // namespace baton

@@ -8,8 +8,8 @@
 namespace baton {
 namespace {
 
-constexpr int kRefusedInARow = 200;   ///< refusals without a motion between them that make one wonder
-constexpr double kSamePlace = 0.005;  ///< [m] from the rest that it leads back to
+constexpr int kRefusedInARow = 200;   ///< consecutive refusals that trigger the test
+constexpr double kSamePlace = 0.005;  ///< [m] tolerance at the end of a retrace
 constexpr double kSameTurn = 0.02;    ///< [rad]
 
 }  // namespace
@@ -53,7 +53,7 @@ void WayBack::on_tick(const TickRecord& record) {
   if (begins) motion_ends_ = navigator.now() + motion->ticks();
   if (back_to_ && (begins || motion == nullptr)) {
     if (from_rest && going_ && !part_) judge_end(record.t, q);
-    if (!from_rest || part_) rests_.push_back(*back_to_);  // it ended on the way to there
+    if (!from_rest || part_) rests_.push_back(*back_to_);  // it ended before that point
     back_to_.reset();
   }
   if (begins && motion->retraces) {
@@ -63,7 +63,7 @@ void WayBack::on_tick(const TickRecord& record) {
   } else if (begins && from_rest) {
     rests_.push_back(q);
   }
-  while (rests_.size() > navigator.history())  // forgotten: too long ago, or after a slip
+  while (rests_.size() > navigator.history())  // dropped from history: too old, or after a slip
     rests_.pop_front();
 }
 
@@ -103,7 +103,7 @@ void StuckJudge::on_plan(const PlanRecord& record) {
 
 void StuckJudge::look() {
   if (refused_in_a_row_ != kRefusedInARow || !session_->resting()) return;
-  ++refused_in_a_row_;  // asked once
+  ++refused_in_a_row_;  // test once
   test();
 }
 

@@ -1,4 +1,4 @@
-/// What an episode is judged by, beside its report; each judge is a sink of the run.
+/// Judges of an episode, in addition to its report; each is a sink of the run.
 #pragma once
 
 #include <deque>
@@ -12,29 +12,29 @@
 
 namespace baton {
 
-/// What went wrong in an episode.
+/// Failures of an episode.
 class Failures {
  public:
-  /// Session and tally must outlive the object.
+  /// `session` and `tally` must outlive this object.
   Failures(const Session& session, long episode, Tally& tally)
       : session_(&session), episode_(episode), tally_(&tally) {}
 
-  /// Counts a failure, of each kind one a segment at most.
+  /// Counts a failure, at most one of each kind per segment.
   void add(const std::string& kind, double t, double value, double limit, const std::string& where);
 
  private:
   const Session* session_;
   long episode_;
   Tally* tally_;
-  long segment_ = -1;            ///< the one that failed last
-  std::set<std::string> kinds_;  ///< what it failed by
+  long segment_ = -1;            ///< last segment that failed
+  std::set<std::string> kinds_;  ///< kinds of its failures
 };
 
-/// Checks every tick with the independent checker, if there is one.
+/// Checks every tick with the independent checker, if any.
 class TickJudge : public Sink {
  public:
-  /// Failures and tally must outlive the object.
-  /// @param exact the robot follows its plan exactly: its truth is checked, else the plan
+  /// `failures` and `tally` must outlive this object.
+  /// @param exact check the truth of a robot that tracks exactly; else check the plan
   TickJudge(std::optional<Checker> checker, bool exact, Failures& failures, Tally& tally)
       : checker_(std::move(checker)), exact_(exact), failures_(&failures), tally_(&tally) {}
 
@@ -52,18 +52,18 @@ class TickJudge : public Sink {
   VecX last_;
 };
 
-/// Records where the motions that can be retraced began, and compares where the motions back end.
+/// Compares where retraced motions end with where the original motions began.
 class WayBack : public Sink {
  public:
-  /// All must outlive the object.
-  /// @param exact a motion back that is refused, or ends elsewhere, is a failure
+  /// All references must outlive this object.
+  /// @param exact a retrace that is refused or ends elsewhere is a failure
   WayBack(const RobotModel& robot, bool exact, Failures& failures, Tally::Retrace& sum)
       : robot_(&robot), exact_(exact), failures_(&failures), sum_(&sum) {}
 
-  /// From now on motions back are judged.
+  /// Judge retraced motions from now on.
   void begin() { going_ = true; }
   [[nodiscard]] bool begun() const { return going_; }
-  /// Whether a motion back is under way.
+  /// Whether a retrace is under way.
   [[nodiscard]] bool under_way() const { return back_to_.has_value(); }
 
   void on_tick(const TickRecord& record) override;
@@ -77,24 +77,24 @@ class WayBack : public Sink {
   Failures* failures_;
   Tally::Retrace* sum_;
   bool going_ = false;
-  std::deque<VecX> rests_;       ///< where the motions that can be retraced began
-  long motion_ends_ = 0;         ///< the one under way, if nothing replaces it [tick]
-  std::optional<VecX> back_to_;  ///< where the motion back that is under way shall end
-  bool part_ = false;            ///< it goes only a part of the way there
+  std::deque<VecX> rests_;       ///< where the retraceable motions began
+  long motion_ends_ = 0;         ///< end of the motion under way if not replaced [tick]
+  std::optional<VecX> back_to_;  ///< where the retrace under way should end
+  bool part_ = false;            ///< it retraces only part of the way
 };
 
-/// Detects a robot that is stuck: for which no command has a motion.
+/// Detects a stuck robot: one for which no command has a motion.
 class StuckJudge : public Sink {
  public:
-  /// All must outlive the object.
+  /// All references must outlive this object.
   StuckJudge(const RobotModel& robot, const World& world, DurationRule rule, const Session& session, Failures& failures)
       : strategy_(robot, world, {rule, OnLimit::discard}), session_(&session), failures_(&failures) {}
 
   void on_plan(const PlanRecord& record) override;
 
-  /// After every tick: tests once, at rest, after many refusals in a row.
+  /// Call after every tick: tests once, at rest, after many consecutive refusals.
   void look();
-  /// Counts a failure if the robot is stuck where it rests next.
+  /// Counts a failure if the robot is stuck in its next state of rest.
   void test();
 
  private:
@@ -104,8 +104,8 @@ class StuckJudge : public Sink {
   int refused_in_a_row_ = 0;
 };
 
-/// Whether no command at all, of many different ones and the way back, has a motion from there.
-/// @param request from where the robot rests; its command does not matter
+/// Whether none of many different commands, retrace included, has a motion from there.
+/// @param request starts where the robot rests; its command is ignored
 [[nodiscard]] bool stuck(Strategy& planning, Request request);
 
 }  // namespace baton

@@ -6,15 +6,15 @@
 namespace baton {
 namespace {
 
-constexpr double kCrouch = 0.245 / 0.26;  ///< share of the nominal COM height on the steps
-constexpr double kBeforeEdge = 0.0045;    ///< from toe to edge before a step down [m]
-constexpr double kPastEdge = 0.0050;      ///< from edge to heel after it [m]
-constexpr double kFootSpot = 0.0035;      ///< a foot is where it should be when it is as near as this [m]
-constexpr double kLift = 0.4;             ///< of the throttle: a little is enough on the way down
+constexpr double kCrouch = 0.245 / 0.26;  ///< COM height on the steps, fraction of nominal
+constexpr double kBeforeEdge = 0.0045;    ///< toe to edge before a step down [m]
+constexpr double kPastEdge = 0.0050;      ///< edge to heel after it [m]
+constexpr double kFootSpot = 0.0035;      ///< position tolerance of a foot [m]
+constexpr double kLift = 0.4;             ///< throttle; little is needed on the way down
 constexpr double kHeightSpot = 0.003;     ///< [m]
-constexpr double kFar = 0.5;              ///< deflection below which one does not steer any more
+constexpr double kFar = 0.5;              ///< deflection below which steering ends
 constexpr double kYawSpot = 0.03;         ///< [rad]
-/// How far from the hand's target the shoulder is taken, of the reach; the next where it did not get there in time.
+/// Distance of the shoulder from the hand's target, in reaches; the next is tried if the hand does not arrive in time.
 constexpr std::array<double, 3> kFromTarget{0.95, 0.85, 1.0};
 constexpr double kReachPatience = 6.0;  ///< [s]
 
@@ -78,7 +78,7 @@ Command RoomOperator::steer(const View& view) {
   deflection_.refusals = view.navigator.refusal() ? deflection_.refusals + 1 : 0;
   const Sight sight = eyes_.foresee(view, 2.0 * parameters_.reaction);
   std::optional<Command> command = next(sight);
-  if (!command && stage_ == Stage::steps) {  // down, and on without a rest
+  if (!command && stage_ == Stage::steps) {  // down the steps; continue without a rest
     stage_ = Stage::cross;
     command = next(sight);
   }
@@ -86,7 +86,7 @@ Command RoomOperator::steer(const View& view) {
     stick_ = *command;
     return stick_;
   }
-  // Near: the rest step by step. If it does not go down like this, then foot by foot.
+  // Close: continue step by step. If walking down fails, go down foot by foot.
   stick_.axes.setZero();
   steered_ = stage_;
   if (stage_ == Stage::steps) {
@@ -108,7 +108,7 @@ Command RoomOperator::step_by_step(const View& view) {
     const bool refused = robot.refusal() != nullptr && t - deflection_.since > parameters_.patience;
     if (robot.committed() == deflection_.moved && !refused) return stick_;
     deflection_.refusals = refused ? deflection_.refusals + 1 : 0;
-    // It moves, or it does not want to: let go, but keep a lifted foot up.
+    // It moves, or it refuses: release, but keep a lifted foot up.
     deflection_.held = false;
     stick_.axes.setZero();
     deflection_.since = t;
@@ -124,7 +124,7 @@ Command RoomOperator::step_by_step(const View& view) {
   }
   if (t - deflection_.since < parameters_.reaction || stage_ == Stage::done) return stick_;
   const Sight sight = eyes_.look(view);
-  if (stage_ == Stage::reach && t - reaching_since_ > kReachPatience) {  // from another place, the arm down first
+  if (stage_ == Stage::reach && t - reaching_since_ > kReachPatience) {  // retry from another position, arm down first
     ++approach_;
     stage_ = Stage::cross;
     steered_.reset();
@@ -184,7 +184,7 @@ double RoomOperator::turn_back(double yaw) const {
 }
 
 std::optional<Command> RoomOperator::face(const Sight& sight) const {
-  // The trunk turns first, the feet follow when they must.
+  // The trunk turns first; the feet follow when necessary.
   const double trunk = sight.trunk_yaw;
   if ((std::abs(trunk) < kYawSpot && std::abs(sight.heading) < 2.0 * kYawSpot) || deflection_.refusals > 6)
     return std::nullopt;
@@ -207,7 +207,7 @@ std::optional<Command> RoomOperator::move_foot(const Sight& sight, Side side, co
   const double yaw = yaw_of(foot_now.R);
   const bool there = shift.norm() < tolerance && std::abs(yaw) < kYawSpot;
   if (there && !feet_.lifted[side]) return std::nullopt;
-  // After refusals, away from the other foot.
+  // After refusals, move away from the other foot.
   if (deflection_.refusals > 1 && !through_the_air)
     shift.y() += 0.005 * std::min(deflection_.refusals, 4) * sign_of(side);
   Command command = deflect(foot(side), sight, Vec3(shift.x(), shift.y(), 0), full.foot);
@@ -228,7 +228,7 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
   for (const Side side : kSides) {
     if (feet_.lifted[side]) return move_foot(sight, side, feet_.landing[side], true, kFootSpot);
   }
-  // The edge that the left foot, which goes first, has not passed yet; or the right one after it.
+  // The next edge for the left foot, which goes first, or for the right foot after it.
   for (std::size_t i = 0; i < room_.edges.size(); ++i) {
     const double before = room_.edges[i] - sole_length_ - kBeforeEdge;
     const double past = room_.edges[i] + sole_length_ + kPastEdge;
@@ -236,7 +236,7 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
     const bool right_past = sight.sole.right.p.x() > room_.edges[i];
     if (left_past && right_past) continue;
     if (!left_past) {
-      // Both feet up to the edge, the one that is behind first.
+      // Bring both feet up to the edge, the rear one first.
       Side behind = sight.sole.left.p.x() < sight.sole.right.p.x() ? Side::left : Side::right;
       if (deflection_.refusals % 2 == 1) behind = other(behind);
       for (const Side side : {behind, other(behind)}) {
@@ -296,7 +296,7 @@ std::optional<Command> RoomOperator::cross(const Sight& sight) const {
 std::optional<Command> RoomOperator::align(const Sight& sight) {
   const Vec2 middle = place_to_reach_from(sight);
   const double half_width = 0.5 * robot_->profile().stance.width;
-  // The foot that is farther from its place first.
+  // The foot farther from its target first.
   const auto place = [&](Side side) -> Vec2 { return middle + Vec2(0, sign_of(side) * half_width); };
   const auto off = [&](Side side) { return (place(side) - sight.sole[side].p.head<2>()).norm(); };
   Side first = off(Side::left) > off(Side::right) ? Side::left : Side::right;
@@ -311,7 +311,7 @@ std::optional<Command> RoomOperator::align(const Sight& sight) {
 std::optional<Command> RoomOperator::reach(const Sight& sight) const {
   Vec3 shift = room_.door - sight.hand;
   if (shift.norm() < parameters_.near) return std::nullopt;
-  // What does not go in one go may go one axis after the other, and in smaller moves.
+  // What fails in one move may succeed axis by axis and in smaller moves.
   const int way = deflection_.refusals % 4;
   if (way > 0) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -15,16 +15,16 @@ namespace baton {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kHeight = 0.26;    ///< COM height of mighty, for which lengths are given [m]
-constexpr double kMomentum = 8.83;  ///< m √(g h) of mighty, for which impulses are given [N·s]
-constexpr double kSettled = 2.0;    ///< when the single pushes begin [s]
+constexpr double kHeight = 0.26;    ///< mighty's COM height, to scale lengths [m]
+constexpr double kMomentum = 8.83;  ///< mighty's m √(g h), to scale impulses [N·s]
+constexpr double kSettled = 2.0;    ///< start of single pushes [s]
 constexpr int kDirections = 8;
 constexpr int kInstants = 20;
-constexpr double kApart = 0.05;   ///< from one instant of a single push to the next [s]
-constexpr double kSwings = 0.8;   ///< in which a foot in the air is guided once to and fro [s]
-constexpr double kShifts = 2.0;   ///< from one shift of the trunk to the next [s]
-constexpr double kShifted = 0.3;  ///< for which the stick is held [s]
-constexpr double kShift = 0.3;    ///< as far
+constexpr double kApart = 0.05;   ///< interval between instants of single pushes [s]
+constexpr double kSwings = 0.8;   ///< period of the swing motion of a foot in the air [s]
+constexpr double kShifts = 2.0;   ///< interval between trunk shifts [s]
+constexpr double kShifted = 0.3;  ///< time the stick is held [s]
+constexpr double kShift = 0.3;    ///< deflection
 
 /// A stick whose position is a function of time.
 class Program : public Device {
@@ -39,12 +39,12 @@ class Program : public Device {
   std::function<Command(double t)> at_;
 };
 
-/// Horizontal, of this length.
+/// Horizontal vector of this direction and length.
 Vec3 horizontal(double angle, double length) {
   return length * Vec3(std::cos(angle), std::sin(angle), 0.0);
 }
 
-/// Pushes in all directions, again and again.
+/// Repeated pushes in all directions.
 std::vector<Push> pushes(Dice& dice, double impulse, double seconds, int from_ms, int to_ms) {
   std::vector<Push> list;
   for (double t = kSettled; t < seconds; t += 1e-3 * dice.between(from_ms, to_ms))
@@ -174,7 +174,7 @@ std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& rob
       });
     case Driving::shift:
       return std::make_unique<Program>([](double t) {
-        // Each way, back, and to rest in between; one axis after the other.
+        // To each side and back, with rests in between; one axis at a time.
         constexpr std::array<std::pair<int, double>, 4> ways{{{1, 1.0}, {1, -1.0}, {0, 1.0}, {0, -1.0}}};
         const auto [axis, way] = ways[static_cast<std::size_t>(t / kShifts) % ways.size()];
         Command shift;

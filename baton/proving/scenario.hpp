@@ -1,4 +1,4 @@
-/// Physics that differs from the model: what a robot may meet (docs/balance.md).
+/// Scenarios: physics that deviates from the model (docs/balance.md).
 #pragma once
 
 #include <memory>
@@ -11,35 +11,35 @@
 
 namespace baton {
 
-/// What goes on at the stick meanwhile.
+/// What the stick does meanwhile.
 enum class Driving {
-  random,  ///< docs/soak.md
-  stand,   ///< nothing
-  walk,    ///< the trunk is guided forward, all the time
-  swing,   ///< a foot is guided in the air, fore and aft
-  shift,   ///< the trunk is guided to and fro, between moments of rest; no step is due
+  random,  ///< random stick (docs/soak.md)
+  stand,   ///< centred
+  walk,    ///< guides the trunk forward all the time
+  swing,   ///< guides a foot in the air, fore and aft
+  shift,   ///< guides the trunk to and fro with pauses; no steps
 };
 
 struct Scenario {
   std::string_view name;
   std::string_view what;  ///< in a few words, with numbers for mighty
   Driving driving = Driving::random;
-  double seconds = 60.0;  ///< how long it takes, unless something else is asked for
+  double seconds = 60.0;  ///< default duration [s]
 };
 
 [[nodiscard]] const std::vector<Scenario>& scenarios();
 
-/// @throws InputError there is none of this name
+/// @throws InputError no such scenario
 [[nodiscard]] const Scenario& scenario_named(const std::string& name);
 
 /// The plant of a scenario. Lengths and impulses scale with the robot.
-/// @param times factor on how far it is from the model
+/// @param times factor on its deviation from the model
 [[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0);
 
-/// The stick of a run in this scenario, to be read once a tick.
+/// The stick of a run in this scenario; read it once per tick.
 [[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
-/// The robot with another kind of drive. A stiff drive in place of another has servos kStiff times as stiff.
+/// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
 inline constexpr double kStiff = 8.0;
 

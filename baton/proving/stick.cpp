@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kVisible = 0.05;
 
-/// How often each style is chosen, in percent; `pinned` has its own rule.
+/// Probability of each style in percent; `pinned` has its own rule.
 constexpr std::array<int, 11> kShare{22, 12, 12, 8, 8, 6, 0, 11, 7, 8, 6};
-constexpr int kPinned = 6;  ///< percent of the sticks begin with it
+constexpr int kPinned = 6;  ///< percent of sticks that start pinned
 
 }  // namespace
 
@@ -33,7 +33,7 @@ Command Stick::next() {
   if (hold_ == 0) {
     draw();
     hold_ = std::min(hold_, stretch_);
-    // Let go only if there was enough to do before.
+    // Release only if deflected enough before.
     if (!deflected(command_) && 4 * deflected_ < 3 * (ticks_ + hold_)) command_.axes[dice_.below(6)] = dice_.sign();
   }
   --stretch_;
@@ -101,7 +101,7 @@ void Stick::draw() {
     case Style::calm:
     case Style::pinned:
     case Style::recall:
-      return;  // as the stretch began
+      return;  // unchanged since the start of the stretch
     case Style::full:
       hold_ = ticks(300, 4000);
       for (double& axis : command_.axes)
@@ -146,7 +146,7 @@ void Stick::draw() {
   }
 }
 
-/// What an operator might want: one thing.
+/// One thing an operator might want.
 void Stick::wish() {
   command_.axes.setZero();
   command_.lift = {0.0, 0.0};

@@ -6,7 +6,7 @@
 namespace baton {
 namespace {
 
-/// Not finite is null, as JSON has no word for it.
+/// Non-finite values become null, as JSON cannot express them.
 nlohmann::json number(double x) {
   return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(nullptr);
 }

@@ -1,4 +1,4 @@
-/// Totals over the episodes of a soak, and the confidence bound for the rate of failures.
+/// Totals over the episodes of a soak, and a confidence bound on the failure rate.
 #pragma once
 
 #include <map>
@@ -10,52 +10,51 @@
 
 namespace baton {
 
-/// Upper end of the one-sided 95 % confidence interval for the rate of failures, after `failures` in `trials`
-/// independent trials (Clopper and Pearson): the largest rate at which so few would be seen in 5 % of such runs. 1
-/// without a trial.
+/// Upper one-sided 95 % confidence bound on the failure rate after `failures` in `trials` independent trials
+/// (Clopper-Pearson): the largest rate at which so few failures have a probability of 5 %. 1 without trials.
 [[nodiscard]] double failure_rate_95(long failures, long trials);
 
 /// Sums over whole episodes.
 struct Tally {
-  /// Something that must not happen.
+  /// An event that must not happen.
   struct Failure {
-    std::string kind;  ///< of violation (docs/soak.md), `fall`, `stuck`, `retrace` or `exception`
+    std::string kind;  ///< kind of violation (docs/soak.md), `fall`, `stuck`, `retrace` or `exception`
     long episode = 0;
     double t = 0.0;  ///< from the episode's start [s]
     double value = 0.0;
     double limit = 0.0;
     std::string where;
   };
-  static constexpr std::size_t kListed = 100;  ///< failures that are kept one by one
+  static constexpr std::size_t kListed = 100;  ///< most failures kept individually
 
-  /// Ways back at the ends of episodes, motion by motion.
+  /// Retraces at the ends of episodes, by motion.
   struct Retrace {
     long tried = 0;
-    long arrived = 0;  ///< where the robot rested before
+    long arrived = 0;  ///< ended where the robot had rested
     long refused = 0;
-    double worst_m = 0.0;    ///< a COM or sole away from there
-    double worst_rad = 0.0;  ///< the trunk turned from there
+    double worst_m = 0.0;    ///< largest position error of COM or sole there
+    double worst_rad = 0.0;  ///< largest rotation error of the trunk there
   };
 
   long episodes = 0;
   long ticks = 0;
   long deflected = 0;  ///< ticks with the stick deflected
-  long segments = 0;   ///< committed
-  long shrunk = 0;     ///< of these, only a part of what was asked for
-  long let_go = 0;     ///< of these, with the stick let go of on the way
+  long segments = 0;   ///< committed segments
+  long shrunk = 0;     ///< of these, shrunk
+  long let_go = 0;     ///< of these, with the stick released on the way
   std::map<std::string, long> refused;
-  long given = 0;  ///< commands, as docs/report.md counts them
+  long given = 0;  ///< commands, counted as in docs/report.md
   long moved = 0;
   double travel = 0.0;  ///< [m]
   Retrace retrace;
-  std::map<std::string, long> bad;  ///< failures by kind; each kind once a segment at most
-  long failures = 0;                ///< segments with at least one of them
-  std::vector<Failure> listed;      ///< the first ones
+  std::map<std::string, long> bad;  ///< failures by kind; each kind at most once per segment
+  long failures = 0;                ///< segments with at least one failure
+  std::vector<Failure> listed;      ///< first failures
 
   void add(const Tally& other);
 
   [[nodiscard]] nlohmann::json json() const;
-  /// @throws InputError it is not what `json()` wrote
+  /// @throws InputError not written by `json()`
   [[nodiscard]] static Tally from_json(const JsonReader& read);
 };
 

@@ -7,10 +7,10 @@
 namespace baton {
 namespace {
 
-constexpr double kMovedShare = 0.25;  ///< of what was asked for, that counts as moved
-constexpr double kMoved = 0.005;      ///< that counts in any case, for any size of robot [m]
+constexpr double kMovedShare = 0.25;  ///< fraction of the request that counts as moved
+constexpr double kMoved = 0.005;      ///< displacement that always counts, for any robot size [m]
 
-/// The part of `made` along what was asked for; 0 if nothing was.
+/// Component of `made` along `asked`; 0 if `asked` is zero.
 double along(const Vec3& asked, const Vec3& made) {
   return asked.isZero(0.0) ? 0.0 : asked.dot(made) / asked.norm();
 }
@@ -72,7 +72,7 @@ void CommandAccount::add(const TickRecord& record, const Kinematics& truth) {
   const bool begins = find_event<Committed>(nav.events()) != nullptr;
   const Command& command = nav.command();
   if (!(command == last_command_)) {
-    // A throttle that only stays up asks for nothing new.
+    // A throttle held up asks for nothing new.
     const bool lifts =
         is_foot(command.guide) && command.lift[side_of(command.guide)] != last_command_.lift[side_of(command.guide)];
     const Mat3 heading = nav.anchor().R * rotation_z(mean_yaw(nav.sample().sole));

@@ -1,4 +1,4 @@
-/// Durations of many runs of one thing, summed up by their quantiles.
+/// Collects durations and summarises them by quantiles.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-/// Pictures in memory and as PNG files.
+/// Images in memory and as PNG files.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace baton {
 
-/// Rows from the top, three bytes (red, green, blue) a pixel.
+/// RGB image: rows from the top, three bytes a pixel.
 struct Image {
   int width = 0;   ///< [px]
   int height = 0;  ///< [px]
@@ -19,14 +19,14 @@ struct Image {
 };
 
 /// @throws InputError the file cannot be written
-/// @throws std::runtime_error it could not be written whole
+/// @throws std::runtime_error the file was not written completely
 void save_png(const std::filesystem::path& file, const Image& image);
 
-/// @throws InputError no such file, or not a PNG
+/// @throws InputError the file is missing or not a PNG
 [[nodiscard]] Image load_png(const std::filesystem::path& file);
 
-/// The images in rows of `columns`, `gap` white pixels between them; a smaller image sits in the middle of
-/// its cell. `columns` 0: all side by side.
+/// Arranges images in rows of `columns` with `gap` white pixels between; smaller images are centred in their cells.
+/// `columns` 0: a single row.
 [[nodiscard]] Image montage(std::span<const Image> images, int columns = 0, int gap = 6);
 
 }  // namespace baton

@@ -1,4 +1,4 @@
-/// Vectors as lists of numbers.
+/// Eigen vectors as JSON arrays.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-/// A motion in a file, to be verified again by whoever doubts it (docs/plan.md has the format).
+/// Motion files, for `baton verify` (format in docs/plan.md).
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 
 namespace baton {
 
-/// What a motion file says besides the motion.
+/// Context of a motion: robot, world and planning frame.
 struct MotionPlace {
   std::string robot;  ///< as for `--robot`
   std::string world;  ///< as for `--world`
-  Pose anchor;        ///< planning frame in the world
+  Pose anchor;        ///< planning frame in the world frame
 };
 
 [[nodiscard]] nlohmann::json motion_file(const Motion& motion, const MotionPlace& place);
 
-/// Where a motion belongs.
-/// @throws InputError no such file, not JSON, a key missing or of the wrong kind
+/// Reads the context of a motion.
+/// @throws InputError the file is missing or not JSON; a key is missing or of the wrong type
 [[nodiscard]] MotionPlace read_motion_place(const std::filesystem::path& file);
 
-/// The motion as it is to be verified: its joint paths with their differences, soles, COM and contact phases.
-/// @throws InputError as above, or made for another robot
+/// Reads the motion for verification: joint paths and their finite differences, soles, COM and contact phases.
+/// @throws InputError as above, or the motion belongs to another robot
 [[nodiscard]] Motion read_motion(const std::filesystem::path& file, const RobotModel& robot);
 
 }  // namespace baton

@@ -15,7 +15,7 @@
 namespace baton {
 namespace {
 
-constexpr int kLinks = 40;  ///< followed, as the kernel does
+constexpr int kLinks = 40;  ///< symbolic links followed, as in the kernel
 
 std::string failure(const std::filesystem::path& file, const std::string& what, int error) {
   return fmt::format("{} {}: cannot be written: {}", what, file.string(),
@@ -27,7 +27,7 @@ std::string not_whole(const std::filesystem::path& file, const std::string& what
                      error == 0 ? "is the disk full?" : std::strerror(error));
 }
 
-/// Opens what is there, without waiting for anybody and without emptying it.
+/// Opens an existing file without blocking or truncating.
 int open_existing(const std::filesystem::path& file) {
   return open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
 }
@@ -52,7 +52,7 @@ OutputFile::OutputFile(std::filesystem::path file, std::string what) : file_(std
   const bool exists = stat(file_.c_str(), &old) == 0;
   if (file_.empty() || (!exists && errno != ENOENT)) refuse();
   if (exists) {
-    for (const int standard : {STDOUT_FILENO, STDERR_FILENO}) {  // `/dev/stdout`, whatever that is
+    for (const int standard : {STDOUT_FILENO, STDERR_FILENO}) {  // `/dev/stdout`, whatever it is connected to
       struct stat other {};
       if (fstat(standard, &other) == 0 && same(old, other)) {
         fd_ = fcntl(standard, F_DUPFD_CLOEXEC, 0);
@@ -62,7 +62,7 @@ OutputFile::OutputFile(std::filesystem::path file, std::string what) : file_(std
     fd_ = open_existing(file_);
     if (fd_ < 0) refuse();
     if (!S_ISREG(old.st_mode)) {
-      fcntl(fd_, F_SETFL, 0);  // from now on it may wait
+      fcntl(fd_, F_SETFL, 0);  // back to blocking writes
       return;
     }
     close(std::exchange(fd_, -1));
@@ -76,7 +76,7 @@ OutputFile::OutputFile(std::filesystem::path file, std::string what) : file_(std
   }
   if (exists) {
     fchmod(fd_, old.st_mode & 07777U);
-    [[maybe_unused]] const int kept = fchown(fd_, old.st_uid, old.st_gid);  // else it is ours
+    [[maybe_unused]] const int kept = fchown(fd_, old.st_uid, old.st_gid);  // may fail; the file then belongs to us
   }
 }
 
@@ -103,7 +103,7 @@ void write_whole(const std::filesystem::path& file, const std::string& what, std
 }
 
 std::ofstream open_stream(const std::filesystem::path& file, const std::string& what) {
-  const int there = open_existing(file);  // to write to a pipe that nobody reads would wait for ever
+  const int there = open_existing(file);  // opening a pipe without a reader would block for ever
   const int error = errno;
   std::ofstream stream;
   if (there >= 0 || error == ENOENT) stream.open(file);

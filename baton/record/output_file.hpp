@@ -1,4 +1,4 @@
-/// Files that are written whole: until the new text is complete, the old one stays.
+/// Atomic file output: the old file stays until the new one is complete.
 #pragma once
 
 #include <filesystem>
@@ -8,43 +8,43 @@
 
 namespace baton {
 
-/// Where a file is written: symbolic links followed to their end, whether there is something or not.
+/// The path a file is written to: symbolic links resolved, even if the target does not exist.
 [[nodiscard]] std::filesystem::path link_target(const std::filesystem::path& file);
 
-/// A file to be written at one go. A regular file, or one that does not exist yet, is written beside and renamed, so
-/// that whoever reads it finds the old or the new text; a device or a pipe is written to.
+/// A file written in one go. A regular or new file is written to a temporary file beside it and renamed, so that
+/// readers see either the old or the new content; devices and pipes are written directly.
 class OutputFile {
  public:
-  /// Makes sure that it can be written; what is there stays as it is.
-  /// @param what begins every message: the option that names the file
-  /// @throws InputError it cannot be
+  /// Checks that the file can be written, without changing it.
+  /// @param what prefix of every message: the option that names the file
+  /// @throws InputError the file cannot be written
   OutputFile(std::filesystem::path file, std::string what);
   /// Leaves the old file in place if `write` was not called.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// The whole of it. To be called once.
-  /// @throws std::runtime_error it could not be written whole
+  /// Writes the whole content. Call once.
+  /// @throws std::runtime_error the file was not written completely
   void write(std::string_view text);
 
  private:
   std::filesystem::path file_;
   std::string what_;
   std::filesystem::path target_;
-  std::filesystem::path fresh_;  ///< beside the target; empty: it is written to directly
+  std::filesystem::path fresh_;  ///< temporary file; empty: direct output
   int fd_ = -1;
 };
 
-/// Both at once.
+/// Opens and writes a file in one call.
 /// @throws InputError, std::runtime_error as above
 void write_whole(const std::filesystem::path& file, const std::string& what, std::string_view text);
 
-/// A file to be written little by little.
-/// @throws InputError it cannot be opened, or is a pipe that nobody reads
+/// Opens a file for incremental output.
+/// @throws InputError the file cannot be opened, or is a pipe without a reader
 [[nodiscard]] std::ofstream open_stream(const std::filesystem::path& file, const std::string& what);
 
-/// @throws std::runtime_error it could not be written whole
+/// @throws std::runtime_error the file was not written completely
 void close_stream(std::ofstream& stream, const std::filesystem::path& file, const std::string& what);
 
 }  // namespace baton

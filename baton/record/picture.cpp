@@ -11,7 +11,7 @@ namespace baton {
 namespace {
 
 constexpr int kLargest = 8192;     ///< [px]
-constexpr int kModelGeoms = 4000;  ///< room in the scene for the model's own
+constexpr int kModelGeoms = 4000;  ///< scene capacity for the model's geoms
 
 mjvGeom plain_geom(mjtGeom type, const std::array<double, 3>& size, const Vec3& at, const Colour& colour) {
   mjvGeom geom{};
@@ -25,7 +25,7 @@ mjvGeom plain_geom(mjtGeom type, const std::array<double, 3>& size, const Vec3& 
 
 }  // namespace
 
-/// What OpenGL and MuJoCo hold for one picture.
+/// OpenGL and MuJoCo resources of one picture.
 struct Picture::Canvas {
   Canvas(const mjModel& original, int width, int height) {
     if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
@@ -60,7 +60,7 @@ struct Picture::Canvas {
   Canvas& operator=(const Canvas&) = delete;
 
   void make_current() {
-    // MuJoCo draws into a buffer of its own; the context needs one of its own all the same.
+    // MuJoCo renders into its own buffer, but the context needs one too.
     if (OSMesaMakeCurrent(gl, window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) == GL_FALSE) {
       throw std::runtime_error("picture: OSMesa's off-screen OpenGL context cannot be used on this thread");
     }
@@ -135,7 +135,7 @@ const Image& Picture::draw(mjData& data, mjvCamera& camera) {
   if (c.scene.maxgeom < kModelGeoms + marks) mjv_makeScene(c.model.get(), &c.scene, kModelGeoms + marks);
   mjv_updateScene(c.model.get(), &data, &c.option, nullptr, &camera, mjCAT_ALL, &c.scene);
   for (mjvGeom* geom = c.scene.geoms; geom != c.scene.geoms + c.scene.ngeom; ++geom) {
-    // A floor that cast a shadow would speckle itself far out, where depths are rounded.
+    // A floor casting shadows would show speckles far away, where depth precision is low.
     if (geom->type == mjGEOM_PLANE) geom->category = mjCAT_DECOR;
   }
   for (const mjvGeom& mark : c.marks) {
@@ -146,7 +146,7 @@ const Image& Picture::draw(mjData& data, mjvCamera& camera) {
   mjr_render(whole, &c.scene, &c.context);
   mjr_readPixels(c.image.rgb.data(), nullptr, whole, &c.context);
   const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(c.image.width) * 3;
-  for (int y = 0; y < c.image.height / 2; ++y) {  // OpenGL's first row is the lowest
+  for (int y = 0; y < c.image.height / 2; ++y) {  // OpenGL's first row is the bottom one
     std::swap_ranges(c.image.row(y), c.image.row(y) + row, c.image.row(c.image.height - 1 - y));
   }
   return c.image;

@@ -1,5 +1,4 @@
-/// Pictures of a robot in its world, drawn off screen in software (MuJoCo's renderer on OSMesa; no display,
-/// no GPU).
+/// Off-screen software rendering of a robot in its world (MuJoCo's renderer on OSMesa; no display, no GPU).
 #pragma once
 
 #include <array>
@@ -14,7 +13,7 @@
 
 namespace baton {
 
-/// A camera that looks at a point.
+/// A camera aimed at a point.
 struct FreeCamera {
   Vec3 lookat = Vec3::Zero();  ///< [m]
   double distance = 1.0;       ///< [m]
@@ -24,27 +23,27 @@ struct FreeCamera {
 
 using Colour = std::array<float, 4>;  ///< red, green, blue, opacity, 0…1
 
-/// Lives on the thread that made it.
+/// Must be used on the thread that created it.
 class Picture {
  public:
-  /// @param model copied; world and robot composed. Its own off-screen size does not matter
+  /// @param model robot and world composed; copied. Its off-screen size is ignored
   /// @param width, height [px]
-  /// @throws std::invalid_argument a size that is not in 1…8192
-  /// @throws std::runtime_error no off-screen OpenGL here
+  /// @throws std::invalid_argument a size is outside 1…8192
+  /// @throws std::runtime_error off-screen OpenGL is not available
   Picture(const mjModel& model, int width, int height);
   ~Picture();
   Picture(Picture&&) noexcept;
   Picture& operator=(Picture&&) noexcept;
 
-  /// Marks that the next pictures show beside the model, [m] in the world.
+  /// Adds markers to the following pictures, [m] in the world frame.
   void add_point(const Vec3& at, double radius, const Colour& colour);
   void add_line(const Vec3& from, const Vec3& to, double radius, const Colour& colour);
-  /// The line through all points; back to the first if `closed` (the outline of a sole).
+  /// A polyline; closed back to the first point if `closed` (the outline of a sole).
   void add_path(std::span<const Vec3> points, double radius, const Colour& colour, bool closed = false);
   void clear_marks();
 
-  /// Draws the state of `data` (positions as of the last mj_forward or mj_step).
-  /// @throws InputError the model has no camera of this name
+  /// Renders the state of `data` (positions of the last mj_forward or mj_step).
+  /// @throws InputError the model has no such camera
   const Image& render(mjData& data, const std::string& camera);
   const Image& render(mjData& data, const FreeCamera& camera);
 

@@ -7,14 +7,14 @@
 
 namespace baton {
 
-/// Lengths in m, angles in rad, times in s; poses in the world by `anchor`.
+/// Lengths in m, angles in rad, times in s; `anchor` transforms poses into the world frame.
 [[nodiscard]] nlohmann::json to_json(const PlannedMotion& planned, const Pose& anchor);
 
 [[nodiscard]] nlohmann::json to_json(const Refusal& refusal);
-/// None is null.
+/// No refusal becomes null.
 [[nodiscard]] nlohmann::json to_json(const std::optional<Refusal>& refusal);
 
-/// The worst of each quantity.
+/// The worst value of each quantity.
 [[nodiscard]] nlohmann::json to_json(const Certificate& certificate);
 
 }  // namespace baton

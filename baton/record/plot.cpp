@@ -23,14 +23,14 @@ std::string escaped(const std::string& text) {
     const auto entity = entities.find(c);
     if (entity != entities.end()) {
       out += entity->second;
-    } else if (static_cast<unsigned char>(c) >= 0x20) {  // XML has few others
+    } else if (static_cast<unsigned char>(c) >= 0x20) {  // XML allows few other control characters
       out += c;
     }
   }
   return out;
 }
 
-/// About how wide a text of UTF-8 is [px].
+/// Approximate width of a UTF-8 text [px].
 double width_of(const std::string& text) {
   double width = 0.0;
   for (const char c : text) {
@@ -39,7 +39,7 @@ double width_of(const std::string& text) {
   return width;
 }
 
-/// One axis: from data units to pixels, with round ticks.
+/// One axis: maps data units to pixels, with round ticks.
 struct Axis {
   double lo = 0.0, hi = 1.0;      ///< data units
   double begin = 0.0, end = 1.0;  ///< pixels of lo and hi
@@ -200,7 +200,7 @@ class Drawing {
     return d.empty() ? "M0 0" : d;
   }
 
-  /// A row of samples with their names above the box, more rows where one is too short.
+  /// The legend above the box, wrapped into more rows if needed.
   void legend() {
     double x = x_.begin;
     legend_y_ = top_ + kTitle;
@@ -238,7 +238,7 @@ class Drawing {
   int index_;
   double top_ = 0.0;
   double width_ = 0.0;
-  double legend_y_ = 0.0;  ///< of its last row
+  double legend_y_ = 0.0;  ///< y of the legend's last row
   std::string legend_;
   Axis x_, y_;
 };

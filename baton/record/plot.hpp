@@ -1,4 +1,4 @@
-/// Line, scatter and area plots as SVG: panels one below the other, axes in SI units, no dependency.
+/// Line, scatter and area plots as SVG: stacked panels, axes in SI units, no dependency.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace baton {
 
-/// Okabe and Ito's palette, told apart with any colour vision.
+/// The Okabe-Ito palette, safe for colour-blind readers.
 namespace palette {
 inline constexpr const char* kBlack = "#222222";
 inline constexpr const char* kBlue = "#0072b2";
@@ -23,31 +23,31 @@ inline constexpr const char* kVermilion = "#d55e00";
 inline constexpr const char* kPurple = "#cc79a7";
 inline constexpr const char* kSky = "#56b4e9";
 inline constexpr const char* kGrey = "#999999";
-/// The order in which series are coloured that name no colour.
+/// Default colours of series, in order.
 inline constexpr std::array<const char*, 6> kSeries{kBlue, kVermilion, kGreen, kPurple, kOrange, kSky};
 }  // namespace palette
 
 enum class Stroke { solid, dashed, dotted, points };
 
-/// A line, or points. A point that is not finite breaks the line.
+/// A line or a set of points. A non-finite point breaks the line.
 struct Series {
-  std::string name;          ///< in the legend; "": not there
+  std::string name;          ///< in the legend; "": none
   std::vector<Vec2> points;  ///< data units
   Stroke stroke = Stroke::solid;
-  std::string colour;  ///< any SVG colour; "": the next of the palette
-  double width = 1.6;  ///< of the line, or radius of the points [px]
+  std::string colour;  ///< any SVG colour; "": next in the palette
+  double width = 1.6;  ///< line width, or point radius [px]
 };
 
-/// A filled polygon behind the series: a band, a sole, a region.
+/// A filled polygon drawn behind the series: a band, a sole, a region.
 struct Area {
-  std::string name;           ///< in the legend once, however many areas bear it; "": not there
+  std::string name;           ///< in the legend, once for all areas of this name; "": none
   std::vector<Vec2> outline;  ///< data units
   std::string colour = palette::kGrey;
   double opacity = 0.25;
-  bool edge = false;  ///< draw the outline too
+  bool edge = false;  ///< also draw the outline
 };
 
-/// The rectangle between two corners.
+/// A rectangle given by two corners.
 [[nodiscard]] Area band(std::string name, const Vec2& low, const Vec2& high, std::string colour, double opacity = 0.25);
 
 struct Panel {
@@ -56,17 +56,17 @@ struct Panel {
   std::string y_label;
   std::vector<Area> areas;
   std::vector<Series> series;
-  bool equal = false;            ///< one metre is as long upward as sideways (for loci)
-  std::optional<Range> x_range;  ///< nothing: from the data
+  bool equal = false;            ///< equal scales on both axes (for loci)
+  std::optional<Range> x_range;  ///< default: from the data
   std::optional<Range> y_range;
-  double height = 220.0;  ///< of the axes' box [px]
+  double height = 220.0;  ///< height of the axes' box [px]
 };
 
-/// The panels as one SVG document of this width [px].
+/// Renders the panels as one SVG document; `width` in [px].
 [[nodiscard]] std::string plot_svg(std::span<const Panel> panels, double width = 720.0);
 
 /// @throws InputError the file cannot be written
-/// @throws std::runtime_error it could not be written whole
+/// @throws std::runtime_error the file was not written completely
 void save_plot(const std::filesystem::path& file, std::span<const Panel> panels, double width = 720.0);
 
 }  // namespace baton

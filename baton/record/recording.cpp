@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kVersion = 2;
-constexpr std::size_t kLongest = 1U << 20U;  ///< line [bytes]; a tick has about 2 kB
+constexpr std::size_t kLongest = 1U << 20U;  ///< longest line [bytes]; a tick takes about 2 kB
 
 Json wrench_json(const Wrench& w) {
   return {vector_json(w.force), vector_json(w.moment)};
@@ -66,7 +66,7 @@ Wrench wrench_in(const JsonReader& read, bool nulls) {
   return {parts[0].vector(3, nulls), parts[1].vector(3, nulls)};
 }
 
-/// @param nulls of a robot that fell, physics may have come to numbers that are none
+/// @param nulls accept null: after a fall, physics may yield NaN
 Measurement measurement_in(const JsonReader& read, Eigen::Index joints, bool need_root, bool nulls) {
   Measurement m;
   m.t = read.at("t").number();
@@ -184,7 +184,7 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   const bool first = line_ == 1;
   std::string line;
   const bool there = read_line(line);
-  const bool cut = !whole_ && !Json::accept(line);  // the process ended in the middle of it
+  const bool cut = !whole_ && !Json::accept(line);  // the process ended while writing it
   if (!there || cut) {
     if (first) throw InputError(fmt::format("recording {}: holds no ticks", file_.string()));
     return std::nullopt;

@@ -1,5 +1,5 @@
-/// A run as it happened: everything that the navigator was given, tick by tick, and a checksum of what it answered, so
-/// that the run can be lived through again and must come out the same bit by bit (docs/recording.md).
+/// Recordings of runs (docs/recording.md): all inputs of the navigator, tick by tick, and a checksum of its outputs, so
+/// that a replay must reproduce the run bit for bit.
 #pragma once
 
 #include <filesystem>
@@ -13,20 +13,20 @@
 
 namespace baton {
 
-/// Checksum of a joint target, every bit of it.
+/// Checksum over all bits of a joint target.
 [[nodiscard]] std::string checksum(const JointTarget& target);
 
 class RecordingWriter : public Sink {
  public:
-  /// @param head what the run is of: robot, world, modes
+  /// @param head robot, world and modes of the run
   /// @throws InputError the file cannot be written
   RecordingWriter(const std::filesystem::path& file, const nlohmann::json& head);
 
   void on_tick(const TickRecord& record) override;
   void on_planning(PlanningEvent event) override;
 
-  /// Writes what is left.
-  /// @throws std::runtime_error the recording could not be written whole
+  /// Writes buffered data and closes the file.
+  /// @throws std::runtime_error the recording was not written completely
   void close();
 
  private:
@@ -34,7 +34,7 @@ class RecordingWriter : public Sink {
 
   std::filesystem::path file_;
   std::ofstream out_;
-  std::string tick_;    ///< line of the last tick, not yet closed
+  std::string tick_;    ///< unfinished line of the last tick
   std::string events_;  ///< since then
   Command command_;
   bool first_ = true;
@@ -44,13 +44,13 @@ class RecordingWriter : public Sink {
 struct RecordedTick {
   Measurement measurement;
   Command command;
-  bool fallen = false;                ///< the robot was seen to have fallen
-  std::vector<PlanningEvent> events;  ///< after the tick, in their order
-  VecX target;                        ///< joint angles that the navigator answered with [rad]
-  std::string checksum;               ///< of its whole answer
+  bool fallen = false;                ///< the robot had fallen
+  std::vector<PlanningEvent> events;  ///< after the tick, in order
+  VecX target;                        ///< joint angles commanded by the navigator [rad]
+  std::string checksum;               ///< of the whole joint target
 };
 
-/// What a recorded run was of, each as its option takes it.
+/// Settings of a recorded run, as command-line option values.
 struct RecordingHead {
   std::string robot;
   std::string world;
@@ -68,16 +68,16 @@ class RecordingReader {
 
   [[nodiscard]] const RecordingHead& head() const { return head_; }
 
-  /// The next tick; none at the end. A last line that was cut off is left out.
-  /// @param joints that the robot has
-  /// @throws InputError a line is not a tick of a recording of such a robot, or there is none at all
+  /// The next tick; none at the end. A truncated last line is skipped.
+  /// @param joints number of the robot's joints
+  /// @throws InputError a line is not a tick of such a robot, or the recording has no ticks
   [[nodiscard]] std::optional<RecordedTick> next(Eigen::Index joints);
 
-  /// File and line, as messages begin.
+  /// File and line, as a prefix for messages.
   [[nodiscard]] std::string place() const;
 
  private:
-  /// The next line. @returns whether there was one
+  /// Reads the next line; false at the end.
   bool read_line(std::string& line);
 
   std::filesystem::path file_;
@@ -85,7 +85,7 @@ class RecordingReader {
   RecordingHead head_;
   Command command_;
   long line_ = 0;
-  bool whole_ = true;  ///< the last line had an end
+  bool whole_ = true;  ///< the last line was terminated
 };
 
 }  // namespace baton

@@ -1,4 +1,4 @@
-/// A run in numbers (docs/report.md says what each means).
+/// Summary statistics of a run (explained in docs/report.md).
 #pragma once
 
 #include <limits>
@@ -14,17 +14,17 @@ namespace baton {
 
 class Report : public Sink {
  public:
-  /// The robot must outlive the object.
+  /// `robot` must outlive this object.
   explicit Report(const RobotModel& robot);
 
   void on_tick(const TickRecord& record) override;
   void on_plan(const PlanRecord& record) override;
 
-  /// @param wall duration of the run by the clock on the wall [s]
+  /// @param wall wall-clock duration of the run [s]
   [[nodiscard]] nlohmann::json json(const std::string& world, const std::string& on, long seed, double wall) const;
 
  private:
-  /// Height of the COM above the soles at the end of the first and of the last rest on both feet [m].
+  /// COM height above the soles at the end of the first and the last rest on both feet [m].
   struct RestHeight {
     double first = 0.0;
     double last = 0.0;
@@ -35,17 +35,17 @@ class Report : public Sink {
   void note_height(const Navigator& navigator);
 
   const RobotModel* robot_;
-  Kinematics kinematics_;  ///< of the truth
+  Kinematics kinematics_;  ///< true configuration
   double duration_ = 0.0;
-  bool has_truth_ = true;  ///< the robot does; without, what only a simulator knows is null
+  bool has_truth_ = true;  ///< without truth, quantities that only a simulator knows are null
   bool fallen_ = false;
-  double tilt_ = 0.0;  ///< the trunk's largest [rad]
+  double tilt_ = 0.0;  ///< largest tilt of the trunk [rad]
   CommandAccount commands_;
   SegmentCount segments_;
   TrackingError tracking_;
   Durations plan_;
   Durations tick_;
-  double zmp_margin_ = std::numeric_limits<double>::infinity();  ///< least, of the measured ZMP [m]
+  double zmp_margin_ = std::numeric_limits<double>::infinity();  ///< least margin of the measured ZMP [m]
   RestHeight height_;
 };
 

@@ -1,5 +1,5 @@
-/// A run as a table: one row a tick (docs/trace.md lists the columns). What only a simulator knows is `nan` where the
-/// robot has no truth.
+/// A run as CSV, one row per tick (columns in docs/trace.md). Without truth, columns that only a simulator knows are
+/// `nan`.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ class Trace : public Sink {
 
   void on_tick(const TickRecord& record) override;
 
-  /// @throws std::runtime_error it could not be written whole
+  /// @throws std::runtime_error the file was not written completely
   void close() { close_stream(out_, file_, "--trace"); }
 
  private:
@@ -28,7 +28,8 @@ class Trace : public Sink {
   std::ofstream out_;
 };
 
-/// Measured ZMP: where the line of the soles' whole force meets the plane z = height [m]; not finite in the air.
+/// Measured ZMP: where the line of action of the total sole force meets the plane z = height [m]; not finite in the
+/// air.
 [[nodiscard]] Vec2 measured_zmp(const Truth& truth, double height);
 
 }  // namespace baton

@@ -8,9 +8,9 @@
 namespace baton {
 namespace {
 
-// Shares of the COM height.
-constexpr double kPiece = 0.1;   ///< the way is counted in pieces of this length, so that swaying does not count
-constexpr double kFarOff = 2.0;  ///< way from which on the error of the place is compared with it
+// Fractions of the COM height.
+constexpr double kPiece = 0.1;   ///< path length is counted in pieces this long, to exclude sway
+constexpr double kFarOff = 2.0;  ///< distance travelled before the error ratio counts
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// How well a run follows its plan, seen from the soles that stand, and how well it knows where it is.
+/// Tracking error relative to the stance soles, and localisation error.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,17 +10,17 @@ namespace baton {
 
 class TrackingError {
  public:
-  /// The robot must outlive the object.
+  /// `robot` must outlive this object.
   explicit TrackingError(const RobotModel& robot) : robot_(&robot), planned_(robot) {}
 
-  /// One tick of a robot that has truth and has not fallen.
-  /// @param truth the robot's configuration at this tick
+  /// One tick. Requires a robot with truth that has not fallen.
+  /// @param truth the robot's true kinematics at this tick
   void add(const TickRecord& record, const Kinematics& truth);
 
   [[nodiscard]] nlohmann::json json() const;
 
  private:
-  /// Sums of squares over the ticks [m²]; of soles and hands the mean of both sides.
+  /// Sums of squared errors over the ticks [m²]; for soles and hands the mean of both sides.
   struct Squares {
     double com = 0.0;
     double sole = 0.0;
@@ -32,10 +32,10 @@ class TrackingError {
   const RobotModel* robot_;
   Kinematics planned_;
   Squares squares_;
-  double estimate_ = 0.0;         ///< the largest error of where the trunk is believed to be [m]
-  double share_ = 0.0;            ///< the largest of that error over the way, once it has come some way
-  double way_ = 0.0;              ///< of the trunk [m]
-  std::optional<Vec3> way_from_;  ///< where the way was counted last [m]
+  double estimate_ = 0.0;         ///< largest error of the trunk's estimated position [m]
+  double share_ = 0.0;            ///< largest ratio of that error to the distance travelled, beyond an initial distance
+  double way_ = 0.0;              ///< distance travelled by the trunk [m]
+  std::optional<Vec3> way_from_;  ///< end of the last counted piece of path [m]
 };
 
 }  // namespace baton

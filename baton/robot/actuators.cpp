@@ -3,7 +3,7 @@
 namespace baton {
 namespace {
 
-constexpr double kRounding = 1e-9;  ///< of times that are sums of steps [s]
+constexpr double kRounding = 1e-9;  ///< tolerance for accumulated time steps [s]
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// Servos and motors of a simulated robot: joint targets → torques, with what is different about them from the profile.
+/// Servos and motors of a simulated robot: joint targets → torques, with deviations from the profile.
 #pragma once
 
 #include <deque>
@@ -8,34 +8,34 @@
 
 namespace baton {
 
-/// How a robot's actuators differ from what the program believes.
+/// How the actuators deviate from the profile.
 struct ActuatorErrors {
-  double gain = 1.0;      ///< factor on the torque that a motor is asked for
+  double gain = 1.0;      ///< factor on the commanded motor torque
   double strength = 1.0;  ///< factor on the stall torque
   double kp = 1.0;        ///< factor on the servos' stiffness
-  double delay = 0.0;     ///< from the joint targets to the servos [s]
+  double delay = 0.0;     ///< between sending a joint target and its arrival at the servos [s]
 };
 
 class Actuators {
  public:
-  /// The robot must outlive the object.
+  /// `robot` must outlive this object.
   /// @param period of the joint targets [s]
   Actuators(const RobotModel& robot, const ActuatorErrors& errors, double period);
 
-  /// A target is sent to the servos.
+  /// Sends a target to the servos.
   /// @param now [s]
   void send(const JointTarget& target, double now);
 
-  /// The servos take up the newest target that has arrived by now [s]. Times do not decrease.
+  /// Makes the newest target that has arrived by `now` [s] active. `now` must not decrease.
   void advance(double now);
 
-  /// Torque that a motor gives, at the time of the last `advance` [N·m]. A target must have been sent.
-  /// @param q angle, as the joint's encoder says [rad]
+  /// Motor torque at the time of the last `advance` [N·m]. Requires a target.
+  /// @param q encoder angle [rad]
   /// @param dq speed [rad/s]
   [[nodiscard]] double torque(std::size_t joint, double q, double dq) const;
 
  private:
-  /// A target on its way to the servos, or there.
+  /// A target in transit, or active.
   struct Sent {
     double arrives = 0.0;  ///< [s]
     JointTarget target;
@@ -44,9 +44,9 @@ class Actuators {
   const RobotModel* robot_;
   ActuatorErrors errors_;
   double period_;
-  std::vector<Joint> joints_;  ///< as they are: with their own gains and motors
-  std::deque<Sent> sent_;      ///< the first is the one that the servos have
-  double to_end_ = 0.0;        ///< of the tick that that one is for [s]
+  std::vector<Joint> joints_;  ///< with the actual gains and motors
+  std::deque<Sent> sent_;      ///< the front one is active
+  double to_end_ = 0.0;        ///< time left in the tick of the active target [s]
 };
 
 }  // namespace baton

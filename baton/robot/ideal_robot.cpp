@@ -42,7 +42,7 @@ void IdealRobot::write(const JointTarget& target) {
   truth_.q.tail(n) = target.q;
   truth_.dq.tail(n) = target.dq;
 
-  // The root follows from the planted sole: its pose, and the velocity that keeps it still.
+  // Root pose and velocity follow from the planted sole being at rest.
   kinematics_.set(truth_.q);
   const Pose root = sole_[planted_] * kinematics_.sole(planted_).inverse() * kinematics_.body(1);
   set_root(truth_.q, root);

@@ -1,5 +1,5 @@
-/// A robot that does exactly what it is told, on ground that never gives: its joints are at their targets when the
-/// tick ends, and a sole that stands does not move.
+/// A robot with perfect tracking on rigid ground: its joints reach their targets at the end of the tick, and stance
+/// soles do not move.
 #pragma once
 
 #include "baton/robot/robot.hpp"
@@ -8,7 +8,7 @@ namespace baton {
 
 class IdealRobot : public Robot {
  public:
-  /// @param start posture that it stands in, in the world
+  /// @param start initial standing posture, in the world frame
   IdealRobot(const RobotModel& robot, const Posture& start, double period);
 
   [[nodiscard]] Measurement read() override;
@@ -18,20 +18,20 @@ class IdealRobot : public Robot {
 
  private:
   void measure_ground(const VecX& ddq);
-  /// Of the inertial sensor, in the world, with the root's attitude [m/s].
+  /// Velocity of the IMU in the world frame, given the root's attitude [m/s].
   [[nodiscard]] Vec3 sensor_velocity(const Mat3& root) const;
 
   const RobotModel* robot_;
   Posture start_;
   double period_;
   Kinematics kinematics_;
-  Side planted_ = Side::left;  ///< the sole that carries the chain
-  BySide<Pose> sole_;          ///< where the soles are
+  Side planted_ = Side::left;  ///< the stance sole that the kinematic chain starts from
+  BySide<Pose> sole_;          ///< in the world frame
   BySide<bool> contact_{true, true};
   Truth truth_;
-  Pose sensor_;                       ///< the inertial sensor in the root's frame
-  Vec3 velocity_ = Vec3::Zero();      ///< of the sensor, a tick ago [m/s]
-  Vec3 acceleration_ = Vec3::Zero();  ///< its mean over the last tick [m/s²]
+  Pose sensor_;                       ///< IMU in the root frame
+  Vec3 velocity_ = Vec3::Zero();      ///< IMU velocity one tick ago [m/s]
+  Vec3 acceleration_ = Vec3::Zero();  ///< mean IMU acceleration over the last tick [m/s²]
   VecX torque_;
 };
 

@@ -11,15 +11,15 @@
 namespace baton {
 namespace {
 
-constexpr int kTiles = 40;  ///< rows, and tiles in each
-constexpr int kLevel = 2;   ///< so many around the start are level, in each direction
+constexpr int kTiles = 40;  ///< rows, and tiles per row
+constexpr int kLevel = 2;   ///< tiles kept level around the start, in each direction
 
 Pose pose_of(const double* pos, const double* quat) {
   return {Eigen::Map<const Vec3>(pos),
           Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).normalized().toRotationMatrix()};
 }
 
-/// Moves an element by its `pos` and `quat`.
+/// Transforms an element through its `pos` and `quat`.
 template <typename Element>
 void move(Element& element, const Pose& by) {
   const Pose moved = by * pose_of(element.pos, element.quat);

@@ -1,4 +1,4 @@
-/// Port for everything that has joints and sensors: an ideal robot, a simulated one, a real one.
+/// Interface to a robot: ideal, simulated or real.
 #pragma once
 
 #include <stdexcept>
@@ -9,32 +9,32 @@
 
 namespace baton {
 
-/// What only a simulation knows: for traces, reports and judges, never for control.
+/// Ground truth of a simulation, for traces, reports and judges; never for control.
 struct Truth {
   double t = 0.0;
-  VecX q;               ///< configuration (nq) in the order of the robot's model
+  VecX q;               ///< configuration (nq), ordered as in the robot's model
   VecX dq;              ///< (nv)
-  BySide<Wrench> sole;  ///< from the ground, in the world, about its origin
+  BySide<Wrench> sole;  ///< ground reaction wrench in the world frame, about the world origin
   BySide<bool> touch{false, false};
   bool fallen = false;
-  std::string fall;  ///< why it counts as fallen
+  std::string fall;  ///< how the fall was detected
 };
 
 class Robot {
  public:
   virtual ~Robot() = default;
 
-  /// What the sensors say now.
+  /// Current sensor readings.
   [[nodiscard]] virtual Measurement read() = 0;
 
-  /// Where the joints shall be when the tick ends. A simulated robot lives through the tick in this call.
+  /// Sends the joint targets for the end of this tick. A simulated robot advances by one tick in this call.
   virtual void write(const JointTarget& target) = 0;
 
-  /// Back to the start posture, as if newly constructed, random sources included.
-  /// @throws std::logic_error it cannot, like a real robot, which somebody has to carry back
+  /// Returns to the state after construction, including random number generators.
+  /// @throws std::logic_error not supported, as on a real robot
   virtual void reset() { throw std::logic_error("this robot cannot be put back to its start"); }
 
-  /// What a simulation knows, up to date after each `write`; null for a robot that has none, like a real one.
+  /// Ground truth, updated by each `write`; null if there is none, as on a real robot.
   [[nodiscard]] virtual const Truth* truth() const { return nullptr; }
 };
 

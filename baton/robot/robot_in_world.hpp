@@ -1,4 +1,4 @@
-/// Where a robot is in a compiled model that holds a world too.
+/// Indices of a robot's joints and geoms in a compiled model of robot and world.
 #pragma once
 
 #include <optional>
@@ -9,31 +9,31 @@
 namespace baton {
 
 struct RobotInWorld {
-  /// Of one joint of the robot.
+  /// Indices of one robot joint.
   struct Address {
     int qpos = 0;
     int dof = 0;
-    int motor = 0;  ///< its actuator
+    int motor = 0;  ///< actuator index
   };
-  /// Of one geom of the model.
+  /// What one geom of the model belongs to.
   struct Geom {
     bool robot = false;        ///< belongs to the robot
-    std::optional<Side> sole;  ///< the foot that it is on, if it can touch something
+    std::optional<Side> sole;  ///< foot that the geom is part of, if it can collide
   };
 
   int root_body = 0;
   int root_qpos = 0;
   int root_dof = 0;
-  int imu_site = -1;            ///< −1: the robot has no IMU
-  std::vector<Address> joints;  ///< in the order of `RobotModel::joints`
+  int imu_site = -1;            ///< −1 without IMU
+  std::vector<Address> joints;  ///< ordered as `RobotModel::joints`
   std::vector<Geom> geoms;
 
   /// @throws InputError a body, joint or motor of the robot is not in the model; the message names `owner`
   [[nodiscard]] static RobotInWorld find(const RobotModel& robot, const mjModel& model, const std::string& owner);
 
-  /// Configuration (nq) and velocity (nv) of the robot, both of its size, in the order of its own model.
+  /// Reads configuration q (nq) and velocity dq (nv), ordered as in the robot's own model; both must have their size.
   void read(const mjData& data, VecX& q, VecX& dq) const;
-  /// Puts the robot into a configuration (nq).
+  /// Sets the robot's configuration (nq).
   void write(const VecX& q, mjData& data) const;
 
   [[nodiscard]] const Geom& geom(int id) const { return geoms[static_cast<std::size_t>(id)]; }

@@ -1,4 +1,4 @@
-/// Errors of a simulated robot's sensors: an exact measurement → what they say.
+/// Sensor errors of a simulated robot: exact measurement → disturbed measurement.
 #pragma once
 
 #include <cstdint>
@@ -8,25 +8,25 @@
 
 namespace baton {
 
-/// How wrong a robot's sensors are.
+/// Magnitudes of the sensor errors.
 struct SensorErrors {
-  double encoder_noise = 0.0;    ///< standard deviation of an angle, at each reading [rad]
-  double force_noise = 0.0;      ///< of each component of the soles' wrenches, share of its value
-  Vec3 imu_bias = Vec3::Zero();  ///< rotation vector by which its attitude is off, in the world [rad]
+  double encoder_noise = 0.0;    ///< standard deviation of each reading [rad]
+  double force_noise = 0.0;      ///< of each component of the sole wrenches, relative
+  Vec3 imu_bias = Vec3::Zero();  ///< attitude error as a rotation vector in the world frame [rad]
 };
 
 class Sensors {
  public:
-  /// @param joints their number
+  /// @param joints number of joints
   /// @param period of the measurements [s]
   /// @param seed of the noise
   Sensors(const SensorErrors& errors, int joints, double period, std::uint64_t seed);
 
-  /// What a joint's encoder says to its servo, each time that it is read [rad].
+  /// Encoder reading for the servo; each call draws new noise [rad].
   [[nodiscard]] double encoder(double angle);
 
-  /// Puts the errors of one tick into an exact measurement. Joint speeds are differences of angles over a tick, and so
-  /// have the noise of both.
+  /// Adds one tick's errors to an exact measurement. Joint speeds are differences of angles over a tick, so they carry
+  /// the noise of both readings.
   void disturb(Measurement& measurement);
 
  private:
@@ -36,7 +36,7 @@ class Sensors {
   double period_;
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
-  VecX encoder_error_;  ///< of the last measurement [rad]
+  VecX encoder_error_;  ///< in the last measurement [rad]
 };
 
 }  // namespace baton

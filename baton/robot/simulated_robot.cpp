@@ -11,9 +11,9 @@
 namespace baton {
 namespace {
 
-constexpr double kFallenTilt = 45.0 * M_PI / 180.0;  ///< tilt of the trunk beyond which the robot has fallen [rad]
-constexpr double kFallenHeight = 0.5;  ///< height of the COM below which it has fallen [nominal COM height]
-constexpr double kTouch = 0.5;         ///< force from which a sole touches in truth, for any weight of robot [N]
+constexpr double kFallenTilt = 45.0 * M_PI / 180.0;  ///< trunk tilt that counts as a fall [rad]
+constexpr double kFallenHeight = 0.5;                ///< COM height below which it is a fall [nominal COM height]
+constexpr double kTouch = 0.5;                       ///< least contact force of a touching sole, for any robot [N]
 
 }  // namespace
 
@@ -41,7 +41,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   spec->compiler.discardvisual = 1;
   model_ = compile_model(*spec, owner);
   mjModel& m = *model_;
-  m.opt.disableflags |= mjDSBL_SENSOR | mjDSBL_ISLAND;  // what is sensed is reckoned below; one robot is one island
+  m.opt.disableflags |= mjDSBL_SENSOR | mjDSBL_ISLAND;  // sensors are computed below; one robot is one island
   in_world_ = RobotInWorld::find(robot, m, owner);
   perturb();
   data_ = DataPtr(mj_makeData(&m));
@@ -57,7 +57,7 @@ void SimulatedRobot::reset() {
   sensors_ = Sensors(plant.sensors, robot_->nv() - 6, period_, plant.seed);
   truth_ = {};
   imu_velocity_.setZero();
-  // On tilted ground it is put down tilted.
+  // On tilted ground the robot starts tilted.
   const Vec3 at = 0.5 * (start_.sole.left.p + start_.sole.right.p);
   const Mat3 tilt = rotation_exp(plant.tilt);
   truth_.q = start_.q;
@@ -123,7 +123,7 @@ void SimulatedRobot::observe() {
       std::array<mjtNum, 6> local{};
       mj_contactForce(&m, data_.get(), c, local.data());
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(contact.frame);
-      const double sign = which == 1 ? 1.0 : -1.0;  // the force acts from geom 0 on geom 1
+      const double sign = which == 1 ? 1.0 : -1.0;  // MuJoCo's force acts from geom 0 on geom 1
       const Vec3 force = sign * (axes.transpose() * Vec3(local[0], local[1], local[2]));
       const Vec3 torque = sign * (axes.transpose() * Vec3(local[3], local[4], local[5]));
       const Vec3 at(contact.pos[0], contact.pos[1], contact.pos[2]);
@@ -162,7 +162,7 @@ void SimulatedRobot::check_fall() {
       }
     }
   }
-  const double tilt = tilt_of(kinematics_.trunk().R);  // `measure` has set them to the truth
+  const double tilt = tilt_of(kinematics_.trunk().R);  // set by `measure`
   if (!(tilt <= kFallenTilt)) return fall(fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI));
   const double ground = std::min(kinematics_.sole(Side::left).p.z(), kinematics_.sole(Side::right).p.z());
   const double height = kinematics_.com().z() - ground;
@@ -189,7 +189,7 @@ void SimulatedRobot::measure() {
                                                                                   9 * in_world_.imu_site);
     std::array<mjtNum, 6> velocity{};
     mj_objectVelocity(model_.get(), data_.get(), mjOBJ_SITE, in_world_.imu_site, velocity.data(), 1);
-    // The sensor integrates: what it tells is the mean over the tick.
+    // The accelerometer integrates: its reading is the mean over the tick.
     const Vec3 moves = attitude * Vec3(velocity[3], velocity[4], velocity[5]);
     const Vec3 acceleration = Vec3(0, 0, kGravity) + (moves - imu_velocity_) / period_;
     reading_.imu = {attitude, {velocity[0], velocity[1], velocity[2]}, attitude.transpose() * acceleration};

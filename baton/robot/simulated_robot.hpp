@@ -1,4 +1,4 @@
-/// A robot in MuJoCo physics: motors with servos and torque-speed limits, honest contact, sensors.
+/// A robot in MuJoCo physics: servos, motors with torque-speed limits, contact, sensors.
 #pragma once
 
 #include "baton/model/world.hpp"
@@ -11,13 +11,13 @@ namespace baton {
 class SimulatedRobot : public Robot {
  public:
   struct Parameters {
-    double timestep = 0.001;          ///< of physics and servo [s], a divisor of the tick's period
-    double nominal_com_height = 0.0;  ///< filled in from the profile when 0 [m]
+    double timestep = 0.001;          ///< of physics and servos; must divide the tick period [s]
+    double nominal_com_height = 0.0;  ///< 0: from the profile [m]
     Plant plant;
   };
 
-  /// @param start posture that it stands in, in the world
-  /// @throws InputError world and robot do not go together
+  /// @param start initial standing posture, in the world frame
+  /// @throws InputError world and robot cannot be combined
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period);
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
                  Parameters parameters);
@@ -27,15 +27,15 @@ class SimulatedRobot : public Robot {
   void reset() override;
   [[nodiscard]] const Truth* truth() const override { return &truth_; }
 
-  /// The very model that is stepped, as MJCF text.
+  /// The simulated model as MJCF text.
   [[nodiscard]] const std::string& model_text() const { return text_; }
   [[nodiscard]] const mjModel& model() const { return *model_; }
   [[nodiscard]] const mjData& data() const { return *data_; }
-  /// For tests: gives the trunk a push [N·s].
+  /// For tests: applies an impulse to the trunk [N·s].
   void push(const Vec3& impulse);
 
  private:
-  /// Physics as the plant has it: friction, softness, masses.
+  /// Applies the plant's friction, contact time constant and masses to the model.
   void perturb();
   void observe();
   void measure();
@@ -53,8 +53,8 @@ class SimulatedRobot : public Robot {
   Truth truth_;
   Actuators actuators_;
   Sensors sensors_;
-  Vec3 imu_velocity_ = Vec3::Zero();  ///< a tick ago [m/s]
-  Measurement reading_;               ///< of the sensors, now; torques are means over the last tick
+  Vec3 imu_velocity_ = Vec3::Zero();  ///< one tick ago [m/s]
+  Measurement reading_;               ///< current; torques are means over the last tick
 };
 
 }  // namespace baton

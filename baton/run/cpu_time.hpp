@@ -1,4 +1,4 @@
-/// What computing costs. No result depends on it.
+/// CPU time, for statistics only: no result depends on it.
 #pragma once
 
 #include <ctime>

@@ -1,4 +1,4 @@
-/// Port for whoever gives the commands: a device in somebody's hands, a script, a program.
+/// Interface to the source of commands: an input device, a script or a program.
 #pragma once
 
 #include "baton/guide/command.hpp"
@@ -9,16 +9,16 @@ namespace baton {
 
 class Operator {
  public:
-  /// What an operator may see of a run, between two ticks.
+  /// What an operator can see of a run between two ticks.
   struct View {
     double t = 0.0;                ///< [s]
-    const Navigator& navigator;    ///< as the last tick left it
-    const Truth* truth = nullptr;  ///< of the robot, seen from outside; null if it has none
+    const Navigator& navigator;    ///< after the last tick
+    const Truth* truth = nullptr;  ///< the robot seen from outside; null if it has no truth
   };
 
   virtual ~Operator() = default;
 
-  /// The command of the next tick. Called once before each.
+  /// Returns the command for the next tick. Called once per tick.
   [[nodiscard]] virtual Command decide(const View& view) = 0;
 };
 

@@ -1,4 +1,4 @@
-/// Port for where planning happens: on the spot, on a thread, on another computer. One request at a time, one answer.
+/// Interface to planning: synchronous, on a thread or on another computer. One request at a time.
 #pragma once
 
 #include <optional>
@@ -12,30 +12,31 @@ class Planning {
   struct Reply {
     Request request;
     Answer result;
-    double plan_us = 0.0;  ///< CPU time of it [µs]
+    double plan_us = 0.0;  ///< CPU time of planning [µs]
   };
 
   virtual ~Planning() = default;
 
-  /// Whether it waits for a request.
+  /// Whether a request can be posted.
   [[nodiscard]] virtual bool idle() const = 0;
 
-  /// Hands in a request; only while it is idle.
+  /// Submits a request. Requires `idle()`.
   virtual void post(Request request) = 0;
 
-  /// The answer, once it is there; idle from then on. Called in every tick, before a request is posted and after it.
-  /// @param tick since the start of the run
-  /// @throws what planning threw
+  /// Returns the answer once it is ready, and is idle from then on. Called every tick, before and after a request is
+  /// posted.
+  /// @param tick number of the tick since the start of the run
+  /// @throws any exception of the planner
   [[nodiscard]] virtual std::optional<Reply> poll(long tick) = 0;
 
-  /// Drops the request under way, if any: idle from then on, as if newly constructed.
+  /// Drops the pending request, if any, and returns to the state after construction.
   virtual void reset() = 0;
 };
 
-/// Plans on the spot: `post` returns when the answer is there.
+/// Plans synchronously: the answer is ready when `post` returns.
 class DirectPlanning : public Planning {
  public:
-  /// Robot and world must outlive the object.
+  /// `robot` and `world` must outlive this object.
   DirectPlanning(const RobotModel& robot, const World& world, Modes modes) : strategy_(robot, world, modes) {}
 
   [[nodiscard]] bool idle() const override { return !ready_; }

@@ -10,7 +10,7 @@ PlanningThread::PlanningThread(const RobotModel& robot, const World& world, Mode
     : strategy_(robot, world, modes), thread_([this] { run(); }) {}
 
 PlanningThread::~PlanningThread() {
-  // An answer that is being worked out comes first, then the end.
+  // Let the answer under way finish, then end the thread.
   State expected = State::posted;
   while ((expected = state_.load()) == State::posted || !state_.compare_exchange_weak(expected, State::ending))
     state_.wait(State::posted);

@@ -1,5 +1,5 @@
-/// Planning on a thread of its own, so that the loop never waits. Answers come when they are ready, and may be too late
-/// to be taken over: for runs by the clock on the wall. A library of its own, `baton::planning_thread`.
+/// Plans on a separate thread, so that the control loop never waits. Answers may come too late and be dropped: for
+/// real-time runs. A separate library, `baton::planning_thread`.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@ namespace baton {
 
 class PlanningThread : public Planning {
  public:
-  /// Robot and world must outlive the object.
+  /// `robot` and `world` must outlive this object.
   PlanningThread(const RobotModel& robot, const World& world, Modes modes);
   ~PlanningThread() override;
   PlanningThread(const PlanningThread&) = delete;
@@ -21,13 +21,10 @@ class PlanningThread : public Planning {
 
   [[nodiscard]] bool idle() const override { return state_.load(std::memory_order_acquire) == State::idle; }
 
-  /// Returns at once.
-  void post(Request request) override;
+  void post(Request request) override;                          ///< returns at once
+  [[nodiscard]] std::optional<Reply> poll(long tick) override;  ///< returns at once
 
-  /// Returns at once.
-  [[nodiscard]] std::optional<Reply> poll(long tick) override;
-
-  /// Waits for an answer that is being worked out.
+  /// Waits for a planning step under way.
   void reset() override;
 
  private:
@@ -36,7 +33,7 @@ class PlanningThread : public Planning {
   void run();
 
   Strategy strategy_;
-  std::atomic<State> state_{State::idle};  ///< says whose turn it is with the reply
+  std::atomic<State> state_{State::idle};  ///< says which thread owns `reply_`
   Reply reply_;
   std::exception_ptr error_;
   std::thread thread_;

@@ -1,5 +1,5 @@
-/// The one loop for every robot, ideal, simulated or real. Each tick it reads the robot, runs the navigator, writes the
-/// joint targets, and then exchanges requests and answers with the planner.
+/// The control loop for any robot: ideal, simulated or real. Each tick it reads the robot, runs the navigator, writes
+/// the joint targets, then exchanges requests and answers with the planner.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ class Session {
  public:
   struct Parameters {
     Modes modes{};
-    StateSource source = StateSource::sensors;  ///< where the robot's state comes from
-    Planning* planning = nullptr;               ///< by the same modes; null: on the spot, within the tick
+    StateSource source = StateSource::sensors;  ///< source of the state estimate
+    Planning* planning = nullptr;               ///< must use the same modes; null: synchronous, within the tick
   };
 
-  /// All arguments but the posture must outlive the object.
-  /// @param start posture that the robot stands in, at rest, in the world
-  /// @throws InputError the robot has not the sensors that its state is to come from
+  /// All arguments except `start` and `parameters` must outlive this object.
+  /// @param start initial posture, standing at rest, in the world frame
+  /// @throws InputError the robot lacks the sensors that `source` needs
   Session(const RobotModel& model, const World& world, Robot& robot, const Posture& start)
       : Session(model, world, robot, start, Parameters{}) {}
   Session(const RobotModel& model, const World& world, Robot& robot, const Posture& start,
@@ -29,23 +29,23 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Adds a sink, which must outlive the last step. Sinks are called in the order in which they were added.
+  /// Adds a sink, which must outlive the last step. Sinks are called in the order they were added.
   void add(Sink& sink) { sinks_.push_back(&sink); }
 
-  /// Runs one tick, with this command or with the one that the operator decides on.
+  /// Runs one tick with the given command, or with the operator's.
   void step(const Command& command);
   void step(Operator& who) { step(who.decide(view())); }
 
-  /// Back to the start: from here on the same commands give the same run, bit by bit, as in a new session. Sinks stay.
-  /// @throws std::logic_error the robot cannot be reset; the session is unchanged then
+  /// Restarts the run: the same commands give the same run, bit for bit, as in a new session. Sinks are kept.
+  /// @throws std::logic_error the robot cannot be reset; the session is then unchanged
   void reset();
 
-  /// What an operator may see now.
+  /// What the operator can see now.
   [[nodiscard]] Operator::View view() const { return {t(), navigator(), truth()}; }
 
   [[nodiscard]] double t() const { return static_cast<double>(ticks_) * model_->profile().tick.period; }
   [[nodiscard]] bool resting() const { return navigator_->motion() == nullptr; }
-  /// Whether the robot has fallen, by its truth. Without truth always false: see Navigator::guard().
+  /// Whether the robot's truth reports a fall. Always false without truth; see Navigator::guard().
   [[nodiscard]] bool fallen() const { return truth() != nullptr && truth()->fallen; }
   [[nodiscard]] const RobotModel& model() const { return *model_; }
   [[nodiscard]] const World& world() const { return *world_; }
@@ -54,7 +54,7 @@ class Session {
   [[nodiscard]] const Truth* truth() const { return robot_->truth(); }
 
  private:
-  /// Hands in the planner's answer, if there is one; posts the request that is due, if the planner is free.
+  /// Passes on the planner's answer, if ready; posts the next request if one is due and the planner is idle.
   void plan();
   void hand_in();
   void begin();

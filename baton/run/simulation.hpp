@@ -1,4 +1,4 @@
-/// A session with a robot that exists only in the computer.
+/// A session with a simulated or ideal robot.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,24 @@ namespace baton {
 
 class Simulation {
  public:
-  /// sim: in physics; ideal: joints go exactly where they are told.
+  /// sim: physics; ideal: joints track their targets exactly.
   enum class On { sim, ideal };
 
   struct Parameters {
-    std::optional<Posture> start{};        ///< in the world; default: standing at the world's site `start`
+    std::optional<Posture> start{};        ///< in the world frame; default: standing at the world's site `start`
     SimulatedRobot::Parameters physics{};  ///< for `sim`
     Session::Parameters session{};
   };
 
-  /// Model and world must outlive the object.
-  /// @throws InputError robot and world do not go together
+  /// `model` and `world` must outlive this object.
+  /// @throws InputError robot and world cannot be combined
   Simulation(const RobotModel& model, const World& world, On on) : Simulation(model, world, on, Parameters{}) {}
   Simulation(const RobotModel& model, const World& world, On on, const Parameters& parameters);
 
   [[nodiscard]] Session& session() { return *session_; }
   [[nodiscard]] const Session& session() const { return *session_; }
   [[nodiscard]] const Truth& truth() const { return *robot_->truth(); }
-  /// Robot and world in one model, as MJCF text: what is stepped on `sim`.
+  /// Robot and world as one MJCF model; on `sim` the one that is simulated.
   [[nodiscard]] const std::string& model_text() const { return model_text_; }
   /// Null on `ideal`.
   [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }

@@ -1,4 +1,4 @@
-/// Port for everything that observes a run: traces, reports, recordings, judges.
+/// Interface to observers of a run: traces, reports, recordings, judges.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace baton {
 
-/// One tick: the state before the target of this tick is written. What has happened is in `Navigator::events`.
+/// One tick, as it is before its target is written. Its events are in `Navigator::events`.
 struct TickRecord {
   double t = 0.0;  ///< at the beginning of the tick [s]
   const Navigator& navigator;
@@ -20,13 +20,13 @@ struct TickRecord {
 
 /// One answer of the planner.
 struct PlanRecord {
-  double t = 0.0;  ///< when it is handed to the navigator [s]
+  double t = 0.0;  ///< time at which the navigator receives it [s]
   const Request& request;
   const Answer& result;
-  double plan_us = 0.0;  ///< CPU time of planning it [µs]
+  double plan_us = 0.0;  ///< CPU time of planning [µs]
 };
 
-/// What passes between navigator and planning after a tick.
+/// Calls between navigator and planner after a tick: `request` (ask) and `answer` (offer).
 enum class PlanningEvent { ask, offer };
 
 class Sink {
@@ -38,7 +38,7 @@ class Sink {
   virtual void on_planning(PlanningEvent /*event*/) {}
 };
 
-/// A sink made of functions; empty ones are skipped.
+/// A sink made of functions; empty functions are skipped.
 class Hooks : public Sink {
  public:
   std::function<void(const TickRecord&)> tick;
