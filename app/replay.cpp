@@ -48,7 +48,7 @@ int replay(const ReplayOptions& o) {
     }
     navigator.poll();
     for (const PlanningEvent event : tick->events) {
-      if (event == PlanningEvent::offer) {
+      if (event == PlanningEvent::answer) {
         if (answer) navigator.answer(*std::move(answer));
         answer.reset();
         continue;

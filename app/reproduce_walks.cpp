@@ -102,7 +102,8 @@ Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
     const Navigator& navigator = record.navigator;
     if (navigator.motion() == nullptr) return;  // at rest the accumulated slip is dropped
     kinematics.set(navigator.sample().q);
-    const Pose led{navigator.way() * kinematics.com(), navigator.way().R * kinematics.trunk().R};
+    const Pose led{navigator.slip_free_frame() * kinematics.com(),
+                   navigator.slip_free_frame().R * kinematics.trunk().R};
     kinematics.set(record.truth->q);
     outcome.path.push_back(kinematics.com().head<2>());
     outcome.led.push_back(led.p.head<2>());

@@ -57,7 +57,7 @@ class Requests {
   [[nodiscard]] std::optional<Flight> flight(int at) const;
   /// Whether the foot that swings in this motion is in its first phase there: it has not left the ground, or not
   /// landed.
-  [[nodiscard]] bool swings_later(int at) const;
+  [[nodiscard]] bool in_first_phase_of_swing(int at) const;
   /// The foot that is about to leave the ground at a sample, if one is.
   [[nodiscard]] std::optional<LiftOff> lift_off(int at) const;
   /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
@@ -214,7 +214,7 @@ std::optional<Request> Requests::stopping(int at) const {
 }
 
 std::optional<Request> Requests::staying(int at) const {
-  if (!swings_later(at) || course_.is<Retracing>() || course_.is<Catching>()) return std::nullopt;
+  if (!in_first_phase_of_swing(at) || course_.is<Retracing>() || course_.is<Catching>()) return std::nullopt;
   return ending(at);
 }
 
@@ -316,13 +316,13 @@ std::optional<Flight> Requests::flight(int at) const {
   return Flight{up, motion_->swing.lift_off, left, motion_->swing.apex_t - at * period, motion_->swing.apex};
 }
 
-bool Requests::swings_later(int at) const {
+bool Requests::in_first_phase_of_swing(int at) const {
   return motion_->goal.swing && motion_->phases.size() > 1 && at < motion_->phases.front().ticks;
 }
 
 std::optional<LiftOff> Requests::lift_off(int at) const {
   const MotionSample& sample = motion_->samples[static_cast<std::size_t>(at)];
-  if (!both_stand(sample.contact) || !swings_later(at)) return std::nullopt;
+  if (!both_stand(sample.contact) || !in_first_phase_of_swing(at)) return std::nullopt;
   return LiftOff{*motion_->goal.swing, (motion_->phases.front().ticks - at) * motion_->period};
 }
 

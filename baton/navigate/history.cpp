@@ -1,5 +1,6 @@
 #include "baton/navigate/history.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace baton {
@@ -26,7 +27,9 @@ std::shared_ptr<const Trail> History::retrace(const Answer& answer) {
 }
 
 void History::forget() {
-  if (!empty() && !trails_.back()) clear();  // it never got to the rest that leads back
+  // A motion that never got to the rest that leads back cuts off all before it.
+  const auto cut = std::find(trails_.rbegin(), trails_.rend(), nullptr);
+  trails_.erase(trails_.begin(), cut.base());
   long ticks = 0;
   auto oldest = trails_.end();
   while (oldest != trails_.begin() && trails_.end() - oldest < kTrails &&

@@ -38,6 +38,8 @@ class Navigator {
   /// @throws InputError the robot has not the sensors for it
   Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait = Gait::flow,
             StateSource source = StateSource::sensors);
+  Navigator(const Navigator&) = delete;
+  Navigator& operator=(const Navigator&) = delete;
 
   /// One period of the robot: where its joints shall be when the tick ends. Never waits; throws only if a
   /// perfect state is to be used and the measurement has none.
@@ -84,10 +86,11 @@ class Navigator {
   /// Planning frame in the world; and where it would be if no sole had slid since the robot last rested with a centred
   /// stick.
   [[nodiscard]] const Pose& anchor() const { return course_.anchor(); }
-  [[nodiscard]] const Pose& way() const { return course_.slip_free_frame(); }
+  [[nodiscard]] const Pose& slip_free_frame() const { return course_.slip_free_frame(); }
   /// Trails that can be retraced.
   [[nodiscard]] std::size_t history() const { return history_.size(); }
 
+  /// Not before the first tick.
   [[nodiscard]] const State& state() const { return watch_.state(); }
   [[nodiscard]] const Odometry& odometry() const { return watch_.odometry(); }
   [[nodiscard]] Guard guard() const { return watch_.guard(); }

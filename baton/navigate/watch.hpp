@@ -39,6 +39,7 @@ class Watch {
   /// The robot stands again and may be moved.
   void arm();
 
+  /// Not before the first `estimate`.
   [[nodiscard]] const State& state() const { return *state_; }
   [[nodiscard]] const Odometry& odometry() const { return odometry_; }
   [[nodiscard]] Guard guard() const { return guard_; }

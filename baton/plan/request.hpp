@@ -72,7 +72,7 @@ struct Request {
   Command command;  ///< of the operator
   Start start;
   Terrain terrain{};
-  std::vector<Intent> intents{Follow{}};  ///< tried in order until one has a verified motion
+  std::vector<Intent> intents{};  ///< tried in order until one has a verified motion; none: what the command asks for
 };
 
 /// The answer to a request, for the last intent tried.

@@ -39,6 +39,7 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
       push_recovery_(Limits::push_recovery(robot.profile())) {}
 
 Answer Strategy::plan(const Request& request) {
+  if (request.intents.empty()) return attempt(request, intent_of(request.command));
   Answer answer;
   for (const Intent& intent : request.intents) {
     answer = attempt(request, intent);

@@ -112,9 +112,9 @@ void StuckJudge::test() {
 }
 
 bool stuck(Strategy& planning, Request request) {
+  request.intents.clear();  // what each command asks for
   const auto goes = [&](const Command& command) {
     request.command = command;
-    request.intents = {intent_of(command)};
     return std::holds_alternative<PlannedMotion>(planning.plan(request).outcome);
   };
   Command command;

@@ -1,4 +1,4 @@
-/// Judges of an episode, in addition to its report; each is a sink of the run.
+/// Judges of an episode, in addition to its report; each is a sink of a run whose robot has truth.
 #pragma once
 
 #include <deque>

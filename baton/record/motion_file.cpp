@@ -102,6 +102,7 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
         fmt::format("motion {}: the phases have {} ticks, the samples {}: must be one sample more than ticks",
                     file.string(), sum, motion.samples.size()));
   }
+  motion.end.q = motion.rest.q = motion.samples.back().q;
   set_contacts(motion);
   motion.swing.lift_off = pose_in(read.at("lift_off"));
   motion.contact_before = contact_in(read.at("contact_before"));

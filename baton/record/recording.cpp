@@ -200,7 +200,7 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   tick.checksum = read.at("sum").text();
   if (read.has("events")) {
     for (const JsonReader& event : read.at("events").list())
-      tick.events.push_back(event.one_of({"ask", "offer"}) == "ask" ? PlanningEvent::ask : PlanningEvent::offer);
+      tick.events.push_back(event.one_of({"ask", "offer"}) == "ask" ? PlanningEvent::ask : PlanningEvent::answer);
   }
   return tick;
 }

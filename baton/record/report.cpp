@@ -16,7 +16,9 @@ nlohmann::json finite_or_null(double value) {
 
 }  // namespace
 
-Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot), commands_(robot), tracking_(robot) {}
+Report::Report(const RobotModel& robot) : robot_(&robot), kinematics_(robot), commands_(robot), tracking_(robot) {
+  kinematics_.set(Eigen::Map<const VecX>(robot.mj().qpos0, robot.nq()));
+}
 
 void Report::on_tick(const TickRecord& record) {
   const Navigator& nav = record.navigator;

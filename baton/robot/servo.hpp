@@ -3,12 +3,12 @@
 /// A servo runs faster than the tick and interpolates. A target holds for the end of the tick; `to_end` seconds earlier
 /// the desired angle is q + s − to_end·q̇, where s is the balance correction. So
 ///
-///     q_cmd = q + s − to_end·q̇ + τ_fold         [rad]
+///     q_cmd = q + s − to_end·q̇ + q_fold         [rad]
 ///     τ     = τ_cmd + kp (q_cmd − q_m) + kd (q̇ − q̇_m)   [N·m]
 ///
 /// with the measured angle q_m and speed q̇_m. The drive decides how the feed-forward torque τ_ff is applied:
 ///
-/// | drive    | τ_cmd | τ_fold    |
+/// | drive    | τ_cmd | q_fold    |
 /// |----------|-------|-----------|
 /// | `torque` | τ_ff  | 0         |
 /// | `pd`     | 0     | τ_ff / kp |
@@ -25,7 +25,7 @@ namespace baton {
 
 /// Command to the servo of one joint.
 struct ServoCommand {
-  double q = 0.0;    ///< angle, including τ_fold [rad]
+  double q = 0.0;    ///< angle, including q_fold [rad]
   double dq = 0.0;   ///< speed [rad/s]
   double tau = 0.0;  ///< feed-forward torque τ_cmd; zero if the drive takes none [N·m]
 };
@@ -36,7 +36,7 @@ struct ServoCommand {
                                          double to_end);
 
 /// Torque that a servo commands [N·m].
-/// @param gains actual gains of the servo; τ_fold uses those of the profile
+/// @param gains actual gains of the servo; q_fold uses those of the profile
 /// @param q measured angle [rad]
 /// @param dq measured speed [rad/s]
 [[nodiscard]] double servo_torque(const Profile::Gains& gains, const ServoCommand& command, double q, double dq);

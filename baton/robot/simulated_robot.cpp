@@ -184,6 +184,7 @@ void SimulatedRobot::measure() {
   reading_.dq = truth_.dq.tail(n);
   kinematics_.set(truth_.q);
   reading_.root = RootMeasurement{kinematics_.body(1), truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
+  reading_.imu = {};
   if (in_world_.imu_site >= 0) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> attitude(data_->site_xmat +
                                                                                   9 * in_world_.imu_site);

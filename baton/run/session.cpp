@@ -27,6 +27,7 @@ void Session::begin() {
 void Session::reset() {
   robot_->reset();
   planning_->reset();
+  sinks_.clear();
   begin();
 }
 
@@ -61,7 +62,7 @@ void Session::hand_in() {
   for (Sink* sink : sinks_)
     sink->on_plan({t(), reply->request, reply->result, reply->plan_us});
   for (Sink* sink : sinks_)
-    sink->on_planning(PlanningEvent::offer);
+    sink->on_planning(PlanningEvent::answer);
   navigator_->answer(std::move(reply->result));
 }
 

@@ -36,8 +36,9 @@ class Session {
   void step(const Command& command);
   void step(Operator& who) { step(who.decide(view())); }
 
-  /// Restarts the run: the same commands give the same run, bit for bit, as in a new session. Sinks are kept.
-  /// @throws std::logic_error the robot cannot be reset; the session is then unchanged
+  /// Back to the start: from here on the same commands give the same run, bit by bit, as in a new session. Sinks are
+  /// removed, as what they hold belongs to the run before: add those of the new run.
+  /// @throws std::logic_error the robot cannot be reset; the session is unchanged then
   void reset();
 
   /// What the operator can see now.

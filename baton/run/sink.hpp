@@ -26,8 +26,8 @@ struct PlanRecord {
   double plan_us = 0.0;  ///< CPU time of planning [µs]
 };
 
-/// Calls between navigator and planner after a tick: `request` (ask) and `answer` (offer).
-enum class PlanningEvent { ask, offer };
+/// Calls between navigator and planner after a tick: `request` (ask) and `answer`.
+enum class PlanningEvent { ask, answer };
 
 class Sink {
  public:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace baton {
 namespace {
@@ -314,6 +315,10 @@ std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose
     return fmt::format("{} and {}", name_of(robot_->mj(), mjOBJ_GEOM, subject / n),
                        name_of(robot_->mj(), mjOBJ_GEOM, subject % n));
   };
+  const VecX& last = motion.samples.back().q;
+  const auto is_last = [&last](const VecX& q) { return q.size() == last.size() && q == last; };
+  if (!is_last(motion.end.q) || !is_last(motion.rest.q))
+    throw std::invalid_argument("a motion must rest in the posture of its last sample");
   bounds_.limits = limits;
   forces_.set(limits);
   bounds_.swing_margin = swing_margin(motion, anchor);

@@ -90,7 +90,7 @@ class FuzzedRun {
       again.poll();
       for (const Event& event : tick.events) {
         const Answer& known = answers_[static_cast<std::size_t>(event.answer)];
-        if (event.kind == PlanningEvent::offer) {
+        if (event.kind == PlanningEvent::answer) {
           again.answer(known);
           continue;
         }
@@ -270,7 +270,7 @@ class FuzzedRun {
         ++sent;
         continue;
       }
-      tick.events.push_back({PlanningEvent::offer, sent->answer});
+      tick.events.push_back({PlanningEvent::answer, sent->answer});
       navigator_.answer(answers_[static_cast<std::size_t>(sent->answer)]);
       sent = sent_.erase(sent);
     }

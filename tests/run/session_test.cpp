@@ -80,10 +80,9 @@ TEST(Session, AfterAResetItRunsAsNew) {
     parameters.session.planning = &planning;
     Simulation simulation(model, world, c.on, parameters);
     Session& session = simulation.session();
-    Diary diary;
-    session.add(diary);
     const auto run = [&](double seconds) {
-      diary.lines.clear();
+      Diary diary;
+      session.add(diary);
       Stick stick(11, period);
       while (session.t() < seconds)
         session.step(stick);
@@ -93,7 +92,7 @@ TEST(Session, AfterAResetItRunsAsNew) {
     for (const double until : {3.0, 1.234, 0.777}) {
       fallen += session.fallen() ? 1 : 0;
       outstanding += planning.idle() ? 0 : 1;
-      session.reset();
+      session.reset();  // the diary of the run before is gone
       EXPECT_EQ(session.t(), 0.0);
       EXPECT_TRUE(session.resting() && !session.fallen() && planning.idle());
       std::vector<std::string> again = run(until);
