@@ -11,8 +11,7 @@ namespace baton {
 struct Correction {
   Vec3 dcm_error = Vec3::Zero();  ///< measured − planned DCM [m]
   Vec2 zmp = Vec2::Zero();        ///< commanded ZMP, in the planning frame [m]
-  Vec2 lacks =
-      Vec2::Zero();  ///< commanded − measured ZMP, low-passed: large if the terrain supports only part of a sole [m]
+  Vec2 lacks = Vec2::Zero();      ///< commanded − measured ZMP, low-passed: what the terrain fails to support [m]
 };
 
 class Stabiliser {

@@ -11,9 +11,8 @@ namespace {
 
 constexpr double kSideways = 0.5;  ///< ratio of lateral to forward displacement above which a push is sideways
 constexpr double kStraight = 0.1;  ///< the same ratio below which it is straight ahead or back
-constexpr std::array<double, 2> kCaptureShares{1.0, 0.5};  ///< shares of the displacement that capture steps try
-constexpr std::array<double, 3> kStopDistances{1.0, 1.5,
-                                               0.5};  ///< stopping distances tried for a COM with speed v [v/ω]
+constexpr std::array<double, 2> kCaptureShares{1.0, 0.5};       ///< shares of the displacement that capture steps try
+constexpr std::array<double, 3> kStopDistances{1.0, 1.5, 0.5};  ///< tried for a COM with speed v [v/ω]
 
 }  // namespace
 

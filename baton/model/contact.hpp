@@ -25,7 +25,7 @@ struct Wrench {
 [[nodiscard]] ConvexPolygon sole_outline(const RobotModel& robot, Side side, const Pose& sole);
 
 /// Hull of the vertices of the soles in contact, projected from the COM onto the plane z = height
-/// (docs/theory.md §3).
+/// (docs/theory.md §3); exact for soles on that plane.
 [[nodiscard]] ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole,
                                             const BySide<bool>& contact, const Vec3& com, double height);
 

@@ -65,7 +65,7 @@ struct Profile {
   struct Region {
     Range foot_x;                    ///< foothold in the stance sole's frame, forward [m]
     double stride = 0.0;             ///< largest |x| of steps that the robot chooses, if one of those will do [m]
-    Range foot_lateral;              ///< foothold in the stance sole's frame, away from it sideways [m]
+    Range foot_lateral;              ///< the same sideways, away from the stance foot [m]
     double foot_yaw = 0.0;           ///< largest |yaw| between the soles [rad]
     double sole_gap = 0.0;           ///< least gap between the soles' outlines [m]
     Range com_height;                ///< above the mean height of the supporting soles [m]

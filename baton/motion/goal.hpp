@@ -31,7 +31,7 @@ struct Goal {
   std::optional<Side> swing;       ///< the foot that moves, if any
   bool returns = false;            ///< it lands on its previous foothold
   double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
-  Pose drift_correction{};         ///< correction of drift from slipping soles that it applies, a displacement
+  Pose drift_correction{};         ///< displacement in it that corrects drift from slipping soles
   BySide<Pose> sole;
   BySide<bool> contact{true, true};  ///< which soles stand at the end
   Vec3 com = Vec3::Zero();           ///< [m]
