@@ -110,14 +110,14 @@ export class Hud {
   disconnected(): void {
     this.activity('waiting');
     this.role('lost', 'no connection');
-    this.cover('The program does not answer. The page comes back by itself when it runs again.');
+    this.cover('The program does not answer. The page reconnects when it runs again.');
   }
 
   /** The connection stands, and nothing comes through; the next state takes it back. */
   noSignal(): void {
     this.activity('waiting');
     this.role('lost', 'no signal');
-    note('hint', 'No signal from the program: what is seen is old, and the stick counts as centred.');
+    note('hint', 'No signal from the program: the view is outdated, and the stick counts as centred.');
   }
 
   pad(description: string): void {
@@ -131,7 +131,7 @@ export class Hud {
       drives ? 'you drive' : state.taken ? 'watching' : 'nobody drives',
     );
     element('take').hidden = !drives && state.taken;
-    text('take', drives ? 'Give it back' : 'Take the stick');
+    text('take', drives ? 'Release the stick' : 'Take the stick');
     document.body.classList.toggle('watching', !drives);
     // A driver sees at once what the keys say; what the program obeys comes a moment later.
     this.choose(drives ? this.stick.guide : state.guide);
@@ -152,7 +152,7 @@ export class Hud {
     text('com', metres(state.com));
     text('zmp', metres(state.zmp));
 
-    const hint = fallen ? 'The run is over. The program ends when the page is left.' : state.device.hint;
+    const hint = fallen ? 'The run is over. The program ends when the page is closed.' : state.device.hint;
     note('hint', !fallen && state.device.armed ? '' : hint);
     note('message', state.message);
     element('message').classList.toggle('fallen', fallen);

@@ -4,9 +4,9 @@ import { inWords, type State, type Stuck } from './protocol';
 /** What goes on while a button is held; '' when there is nothing to say. */
 export function recallText({ recall, state, history }: Pick<State, 'recall' | 'state' | 'history'>): string {
   if (recall === 'stop' && state === 'stopping') return 'stopping';
-  if (recall === 'stop' && state === 'rest') return 'stopped: nothing begins while this is held';
+  if (recall === 'stop' && state === 'rest') return 'stopped: no motion starts while this is held';
   if (state !== 'retracing') return ''; // refused, or waiting for the motion before to end
-  if (recall === 'home') return 'home: to the stance that it began in';
+  if (recall === 'home') return 'home: back to the initial stance';
   if (recall !== 'retrace') return '';
   return `retracing: back the way it came${history > 0 ? `, ${history} more` : ''}`;
 }

@@ -45,7 +45,7 @@ export function refusalText({ reason, part, value, limit, where, cause }: Refusa
 }
 
 /** Of a motion that goes only a part of the way: what spoke against the whole. */
-export const limitText = (limit: Refusal): string => `as far as it goes: ${refusalText(limit)}`;
+export const limitText = (limit: Refusal): string => `only part of the way: ${refusalText(limit)}`;
 
 /** The last few refusals, newest first; one that comes again and again counts up instead. */
 export class RefusalLog {
