@@ -77,13 +77,13 @@ constexpr double kLongestSoak = 1e5;  ///< [h]
 constexpr long kAnyWhole = std::numeric_limits<long>::max();
 
 void add_modes(CLI::App& command, ModeOptions& modes) {
-  command.add_option("--gait", modes.gait, "flow: motions are replaced on their way; stop: each comes to rest first")
+  command.add_option("--gait", modes.gait, "flow: replan while moving; stop: come to rest first")
       ->capture_default_str()
       ->check(CLI::IsMember({"stop", "flow"}));
-  command.add_option("--duration", modes.duration, "How a segment's duration is found: paper or search")
+  command.add_option("--duration", modes.duration, "How a segment's duration is chosen: paper or search")
       ->capture_default_str()
       ->check(CLI::IsMember({"paper", "search"}));
-  command.add_option("--on-limit", modes.on_limit, "What happens to a goal that cannot be reached: discard or shrink")
+  command.add_option("--on-limit", modes.on_limit, "What to do with a goal that cannot be reached: discard or shrink")
       ->capture_default_str()
       ->check(CLI::IsMember({"discard", "shrink"}));
 }
@@ -91,27 +91,25 @@ void add_modes(CLI::App& command, ModeOptions& modes) {
 void add_physics(CLI::App& command, PhysicsOptions& physics) {
   command
       .add_option("--state", physics.state,
-                  "Where the robot's state comes from: sensors (encoders, IMU, forces under the soles), torques (of "
-                  "the motors, instead of those forces), perfect")
+                  "Source of the state estimate: sensors (encoders, IMU, sole forces), torques (motor torques instead "
+                  "of sole forces), perfect")
       ->capture_default_str()
       ->check(CLI::IsMember({"sensors", "torques", "perfect"}));
-  command.add_option("--drive", physics.drive, "What the servos take, instead of what the profile says")
+  command.add_option("--drive", physics.drive, "Drive of the servos; default: the profile's")
       ->check(CLI::IsMember({"torque", "pd", "stiff"}));
   command.add_option("--scenario", physics.scenario,
-                     "Physics that is not the model, by --seed (docs/balance.md lists them)");
-  command.add_option("--times", physics.times, "Factor on how far it is from the model")
+                     "Physics that deviates from the model, drawn by --seed (list: docs/balance.md)");
+  command.add_option("--times", physics.times, "Factor on the scenario's deviation from the model")
       ->capture_default_str()
       ->transform(number(0.0, 100.0));
 }
 
 void add_answers(CLI::App& command, AnswerOptions& answers) {
   command
-      .add_option("--answer-delay", answers.delay_ms,
-                  "Answers of the planner come late, each by 0 to this many ms, at random by --seed")
+      .add_option("--answer-delay", answers.delay_ms, "Delay each planner answer by 0 to this many ms, drawn by --seed")
       ->capture_default_str()
       ->transform(number(0.0, 10000.0));
-  command
-      .add_option("--answer-loss", answers.loss, "Share of the planner's answers that are lost, at random by --seed")
+  command.add_option("--answer-loss", answers.loss, "Fraction of planner answers lost, drawn by --seed")
       ->capture_default_str()
       ->transform(number(0.0, 1.0));
 }
@@ -120,7 +118,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
       ->capture_default_str();
   command.add_option("--world", o.world, "World: a name in worlds/, or an .xml file")->capture_default_str();
-  command.add_option("--on", o.on, "sim: physics; ideal: joints do what they are told")
+  command.add_option("--on", o.on, "sim: physics; ideal: joints track their targets exactly")
       ->capture_default_str()
       ->check(CLI::IsMember({"sim", "ideal"}));
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
@@ -129,19 +127,18 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   add_answers(command, o.answers);
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")
       ->transform(above_zero(kLongestRun));
-  command.add_option("--seed", o.seed, "Of the scenario and of what happens to answers; recorded in the report")
+  command.add_option("--seed", o.seed, "Seed of scenario and answer faults; written to the report")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_flag("--headless", o.headless, "No page");
-  command.add_flag("--fast", o.fast, "Do not wait for the clock on the wall (needs --seconds; no page)");
-  command.add_option("--port", o.port, "Port of the page; 0: any that is free")
+  command.add_flag("--fast", o.fast, "Run as fast as possible, not in real time (needs --seconds; no page)");
+  command.add_option("--port", o.port, "Port of the page; 0: any free port")
       ->capture_default_str()
       ->transform(whole(0, 65535));
   command.add_option("--trace", o.files.trace, "Write every tick to this .csv file");
-  command.add_option("--save-model", o.files.save_model, "Write the model that is stepped to this .xml file");
-  command.add_option("--report", o.files.report, "Write the run in numbers to this .json file");
-  command.add_option("--record", o.files.record,
-                     "Write all that is needed to live through the run again, for baton replay");
+  command.add_option("--save-model", o.files.save_model, "Write the simulated model to this .xml file");
+  command.add_option("--report", o.files.report, "Write statistics of the run to this .json file");
+  command.add_option("--record", o.files.record, "Record the run to this file, for baton replay");
 }
 
 void add_soak(CLI::App& command, SoakOptions& o) {
@@ -149,13 +146,13 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   add_modes(command, o.modes);
   add_physics(command, o.physics);
   add_answers(command, o.answers);
-  command.add_option("--seeds", o.seeds, "Of a scenario, from --seed on: one episode each")
+  command.add_option("--seeds", o.seeds, "Number of seeds of a scenario, from --seed on: one episode each")
       ->transform(whole(1, kAnyWhole));
-  command.add_option("--segments", o.segments, "Goes on until that many segments were driven")
+  command.add_option("--segments", o.segments, "Run until this many segments were driven")
       ->transform(whole(1, kAnyWhole));
-  command.add_option("--hours", o.hours, "Goes on for that long, in simulated time")
+  command.add_option("--hours", o.hours, "Run for this many hours of simulated time")
       ->transform(above_zero(kLongestSoak));
-  command.add_option("--seed", o.seed, "Of sticks, scenarios and what happens to answers")
+  command.add_option("--seed", o.seed, "Seed of sticks, scenarios and answer faults")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_option("--robot", o.robot, "Robot")->capture_default_str();
@@ -163,12 +160,10 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--jobs", o.jobs, "Threads; the result does not depend on it")
       ->capture_default_str()
       ->transform(whole(1, 1024));
-  command
-      .add_option("--episode", o.episode,
-                  "Simulated seconds from one fresh start to the next; 120, or what a scenario takes")
+  command.add_option("--episode", o.episode, "Simulated seconds per episode; default: 120, or the scenario's")
       ->transform(number(0.1, 36000.0));
-  command.add_flag("--resume", o.resume, "Go on where the report's run ended");
-  command.add_option("--report", o.report, "Write what came of it to this .json file; needed but with --scenario");
+  command.add_flag("--resume", o.resume, "Continue the run of the report");
+  command.add_option("--report", o.report, "Write the result to this .json file; required without --scenario");
 }
 
 /// @throws InputError a command lacks a required option
@@ -185,12 +180,12 @@ void complain_of_missing(const CLI::App& app) {
 }
 
 int parse_and_run(std::vector<std::string> args) {
-  CLI::App app{"baton: one stick guides a whole humanoid, and nothing it does can make it fall"};
+  CLI::App app{"baton: one stick guides a whole humanoid, and nothing done with the stick can make it fall"};
   app.set_version_flag("--version", std::string("baton ") + BATON_VERSION);
   app.require_subcommand(0, 1);
 
   bool verbose = false;
-  app.add_flag("-v,--verbose", verbose, "Say more on the way");
+  app.add_flag("-v,--verbose", verbose, "Log more");
   app.fallthrough();
   app.parse_complete_callback([&verbose] { spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::info); });
 
@@ -218,14 +213,14 @@ int parse_and_run(std::vector<std::string> args) {
   plan_command->add_option("--out", plan_options.out, "Folder: write each motion to a file, for baton verify");
 
   VerifyOptions verify_options;
-  CLI::App* verify_command = app.add_subcommand("verify", "Check a motion again, from its file");
-  verify_command->add_option("motion", verify_options.motion, "Motion (JSON), as baton plan --out writes it")
+  CLI::App* verify_command = app.add_subcommand("verify", "Verify a motion file again");
+  verify_command->add_option("motion", verify_options.motion, "Motion file (JSON), written by baton plan --out")
       ->required();
-  verify_command->add_option("--robot", verify_options.robot, "Robot, instead of the file's");
-  verify_command->add_option("--world", verify_options.world, "World, instead of the file's");
+  verify_command->add_option("--robot", verify_options.robot, "Robot; default: the file's");
+  verify_command->add_option("--world", verify_options.world, "World; default: the file's");
 
   ReproduceOptions reproduce_options;
-  CLI::App* reproduce_command = app.add_subcommand("reproduce", "Make figures of the 2008 paper anew, or walk");
+  CLI::App* reproduce_command = app.add_subcommand("reproduce", "Reproduce figures of the 2008 paper, or test walks");
   reproduce_command->add_option("what", reproduce_options.what, "fig8, room or walks")
       ->required()
       ->check(CLI::IsMember({"fig8", "room", "walks"}));
@@ -240,26 +235,27 @@ int parse_and_run(std::vector<std::string> args) {
   operate_command->add_option("--on", operate_options.on, "sim or ideal")
       ->capture_default_str()
       ->check(CLI::IsMember({"sim", "ideal"}));
-  operate_command->add_option("--seed", operate_options.seed, "Of the random start on the stage")
+  operate_command->add_option("--seed", operate_options.seed, "Seed of the random start on the stage")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
-  operate_command->add_flag("--exact-start", operate_options.exact_start, "Begin at the world's start instead");
+  operate_command->add_flag("--exact-start", operate_options.exact_start,
+                            "Start at the world's start, not at a random pose");
   operate_command->add_flag("--foot-by-foot", operate_options.foot_by_foot,
                             "Guide the feet down the steps, as in the paper, also with --gait flow");
-  operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which it gives up")
+  operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which the operator gives up")
       ->capture_default_str()
       ->transform(above_zero(kLongestRun));
   add_modes(*operate_command, operate_options.modes);
   add_physics(*operate_command, operate_options.physics);
-  operate_command->add_option("--report", operate_options.report, "Write the run in numbers to this .json file");
+  operate_command->add_option("--report", operate_options.report, "Write statistics of the run to this .json file");
   operate_command->add_option("--trace", operate_options.trace, "Write every tick to this .csv file");
-  operate_command->add_option("--script", operate_options.script, "Write what the operator did as a stick script");
+  operate_command->add_option("--script", operate_options.script, "Write the operator's stick as a script");
 
   ReplayOptions replay_options;
-  CLI::App* replay_command = app.add_subcommand("replay", "Live through a recorded run again");
-  replay_command->add_option("recording", replay_options.recording, "As drive --record writes it")->required();
+  CLI::App* replay_command = app.add_subcommand("replay", "Replay a recorded run");
+  replay_command->add_option("recording", replay_options.recording, "Recording, written by drive --record")->required();
   replay_command->add_flag("--verify", replay_options.verify,
-                           "Hold the joint targets to the recorded ones, bit by bit");
+                           "Compare the joint targets with the recorded ones, bit for bit");
 
   SoakOptions soak_options;
   CLI::App* soak_command = app.add_subcommand("soak", "Try to break it: random sticks, judged by independent means");
@@ -309,7 +305,7 @@ int run(const std::vector<std::string>& args) {
     fmt::print(stderr, "baton: {}{}\n", std::ferror(stdout) != 0 ? "standard output: " : "", error.what());
   }
   if (std::fflush(stdout) != 0) {
-    fmt::print(stderr, "baton: standard output: could not be written whole: {}\n", std::strerror(errno));
+    fmt::print(stderr, "baton: standard output: could not be written completely: {}\n", std::strerror(errno));
     if (code == kDone) code = kFailed;
   }
   for (std::size_t i = 0; i < kEnding.size(); ++i)

@@ -40,7 +40,7 @@ void say_what_leads_out(const Stuck& stuck) {
 /// Shows the fallen robot until all pages are closed or the program is interrupted.
 void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, const Refusals& refusals) {
   if (view.pages() == 0) return;
-  spdlog::info("the page shows the fall; to end, leave the page or press Ctrl-C");
+  spdlog::info("the page shows the fall; close the page or press Ctrl-C to end");
   Clock::time_point seen = Clock::now();
   while (!interrupted && Clock::now() - seen < kReload) {
     if (view.pages() > 0) seen = Clock::now();
@@ -58,7 +58,7 @@ std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world
 }  // namespace
 
 int drive(const DriveOptions& o) {
-  if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: without a clock only that ends the run");
+  if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: nothing else ends the run");
   const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.world);
   Inputs inputs(o.input, o.fast);

@@ -19,15 +19,15 @@ Inputs::Inputs(const std::string& choice, bool fast) : choice_(choice) {
     auto joystick = std::make_unique<Joystick>();
     static_cast<void>(joystick->read(0.0));  // searches for a joystick
     if (const DeviceStatus status = joystick->status(); !status.connected) {
-      if (fast) throw InputError(fmt::format("--input joystick with --fast waits for nobody: {}", status.hint));
-      spdlog::warn("--input joystick: there is none yet: {}", status.hint);
+      if (fast) throw InputError(fmt::format("--input joystick with --fast: no joystick found: {}", status.hint));
+      spdlog::warn("--input joystick: none found yet: {}", status.hint);
     }
     owned_.push_back(std::move(joystick));
   } else if (choice == "auto") {
     try {
       owned_.push_back(std::make_unique<Joystick>());
     } catch (const std::exception& error) {
-      spdlog::warn("going on without a joystick: {}", error.what());
+      spdlog::warn("continuing without a joystick: {}", error.what());
     }
   } else if (choice != "page") {
     throw InputError(fmt::format("--input {}: must be auto, joystick, page or script:FILE", choice));

@@ -32,9 +32,9 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
                                          long seed) {
   if (options.scenario && on != "sim")
     throw InputError(
-        fmt::format("--scenario {} with --on {}: must be --on sim, there is physics", *options.scenario, on));
+        fmt::format("--scenario {} with --on {}: must be --on sim, a scenario needs physics", *options.scenario, on));
   if (!options.scenario && options.times != 1.0)
-    throw InputError(fmt::format("--times {} without --scenario: there is nothing to be farther from", options.times));
+    throw InputError(fmt::format("--times {} without --scenario: has no effect", options.times));
   SimulatedRobot::Parameters parameters;
   if (options.scenario) {
     parameters.plant =
@@ -51,7 +51,7 @@ StateSource state_named(const std::string& name) {
   for (const StateSource source : {StateSource::sensors, StateSource::torques, StateSource::perfect}) {
     if (name == to_string(source)) return source;
   }
-  throw InputError(fmt::format("--state {}: should be sensors, torques or perfect", name));
+  throw InputError(fmt::format("--state {}: must be sensors, torques or perfect", name));
 }
 
 }  // namespace baton::app

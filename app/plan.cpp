@@ -56,7 +56,7 @@ int plan(const PlanOptions& o) {
   const nlohmann::json result = {{"robot", robot.profile().name}, {"world", world.name()}, {"segments", segments}};
   fmt::print("{}\n", result.dump(2));
   if (!interrupted) return kDone;
-  spdlog::warn("interrupted: the plan is not whole");
+  spdlog::warn("interrupted: the plan is incomplete");
   return kFailed;
 }
 

@@ -44,7 +44,7 @@ int replay(const ReplayOptions& o) {
     if (tick->fallen) navigator.fall();
     const JointTarget& target = navigator.tick(tick->measurement, tick->command);
     if (o.verify && !(same_bits(target.q, tick->target) && checksum(target) == tick->checksum)) {
-      return differs("other joint targets than were recorded");
+      return differs("the joint targets differ from the recorded ones");
     }
     navigator.poll();
     for (const PlanningEvent event : tick->events) {
@@ -54,13 +54,13 @@ int replay(const ReplayOptions& o) {
         continue;
       }
       const std::optional<Request> request = navigator.request();
-      if (!request && o.verify) return differs("nothing is asked of the planner, as it was when it was recorded");
+      if (!request && o.verify) return differs("no planning request is due, unlike in the recording");
       if (request) answer = planning.plan(*request);
     }
   }
   fmt::print("{} ticks, {:.1f} s: {} segments, {} answers too late{}\n", navigator.now() + 1,
              static_cast<double>(navigator.now() + 1) * robot.profile().tick.period, navigator.committed(),
-             navigator.dropped(), o.verify ? ", the same joint targets bit by bit" : "");
+             navigator.dropped(), o.verify ? ", joint targets identical bit for bit" : "");
   return kDone;
 }
 

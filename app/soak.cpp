@@ -53,8 +53,8 @@ class SoakReport {
     const JsonReader read(old, place);
     for (const auto& [key, value] : head_.items()) {
       if (read.at(key.c_str()).json() == value) continue;
-      throw InputError(
-          fmt::format("--resume {}: {} is {} there and {} here", file_.string(), key, shown(old[key]), value.dump()));
+      throw InputError(fmt::format("--resume {}: {} is {} in the file and {} here", file_.string(), key,
+                                   shown(old[key]), value.dump()));
     }
     tally = Tally::from_json(read);
     wall_before_ = read.at("wall").at("seconds").number();
@@ -141,7 +141,7 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
 }
 
 int soak(const SoakOptions& o) {
-  if (!o.report) throw InputError("soak needs --report: the file that the result is written to");
+  if (!o.report) throw InputError("soak needs --report: the file for the result");
   if (o.seeds) throw InputError("--seeds goes with --scenario");
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
   const RobotModel robot = load_robot(o.robot, o.physics.drive);
@@ -188,7 +188,7 @@ int soak(const SoakOptions& o) {
   progress.clear();
   report.write(progress.seconds(), o.jobs);
   if (tally.failures >= kEnough) fmt::print("enough failures\n");
-  if (interrupted) fmt::print("interrupted; --resume goes on\n");
+  if (interrupted) fmt::print("interrupted; continue with --resume\n");
   const Tally::Retrace& back = tally.retrace;
   fmt::print(
       "{} violations in {} segments: failure rate below {:.2g} with 95 % confidence; "

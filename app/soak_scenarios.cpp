@@ -94,9 +94,9 @@ void print(const Row& row) {
 }  // namespace
 
 int soak_scenarios(const SoakOptions& o) {
-  if (!o.seeds) throw InputError("soak --scenario needs --seeds: how many of it");
+  if (!o.seeds) throw InputError("soak --scenario needs --seeds: the number of episodes");
   if (o.segments || o.hours || o.resume)
-    throw InputError("soak --scenario goes by --seeds, without --segments, --hours and --resume");
+    throw InputError("soak --scenario takes --seeds, not --segments, --hours or --resume");
   std::vector<Scenario> chosen;
   if (*o.physics.scenario == "all") {
     chosen = scenarios();
@@ -148,7 +148,7 @@ int soak_scenarios(const SoakOptions& o) {
     if (terminal) fmt::print(stderr, "\r\x1b[K");
     print(row);
     if (scenario.driving == Driving::shift) {
-      fmt::print("{:11}  the COM's height, from the first rest to the last: {:.2f} mm at most\n", "", 1e3 * row.drift);
+      fmt::print("{:11}  COM height changes from first to last rest by at most {:.2f} mm\n", "", 1e3 * row.drift);
     }
     report["scenarios"][row.name] = row.json(scenario);
     fell = fell || row.fell > 0;

@@ -88,14 +88,15 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   if (frame.activity == Activity::fallen) {
     frame.message = "The robot fell: " + truth.fall + ".";
   } else if (nav.guard() == Guard::lifted) {
-    frame.message = "Lifted off the ground: it goes on when it stands again and the stick was let go of.";
+    frame.message = "Lifted off the ground. Continues once it stands again and the stick has been released.";
   } else if (session.t() < slipped_ + kSlipShows) {
-    frame.message = fmt::format("A sole slid by {:.0f} mm: it goes on from where it stands, without a way back.",
-                                1e3 * nav.last_slip());
+    frame.message =
+        fmt::format("A sole slipped by {:.0f} mm. The robot continues from here, but cannot retrace past this point.",
+                    1e3 * nav.last_slip());
   } else if (nav.disturbed() && nav.caught() > caught_) {
-    frame.message = "Pushed: it steps to catch itself.";
+    frame.message = "Pushed: taking a step to recover.";
   } else if (session.t() - steady_ > kShows) {
-    frame.message = "Pushed off its way: it begins nothing new until it is back.";
+    frame.message = "Pushed off the plan: no new motion until it has recovered.";
   }
   cockpit_.publish(std::move(frame));
 }

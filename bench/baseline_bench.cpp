@@ -58,7 +58,7 @@ Verdict run_baton(const RobotModel& robot, const World& world, std::uint64_t see
 }
 
 Row told(const std::string& name, const std::vector<Verdict>& all) {
-  Row row{"bankrupt: " + name, {}, "", "s"};
+  Row row{"failed: " + name, {}, "", "s"};
   std::array<int, kCauses> causes{};
   for (const Verdict& verdict : all) {
     if (!verdict) continue;

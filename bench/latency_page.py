@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""From a command sent as the page sends it to the first joint target that answers it, live.
+"""Real-time latency from a command, sent like the page's, to the first joint target that responds.
 
-Starts the program by the clock on the wall, on `ideal`, takes the stick over the WebSocket, and changes it at random
+Starts the program in real time on `ideal`, takes the stick over the WebSocket, and changes it at random
 while the robot stands and moves. Which tick answers which change is read from the recording and the trace afterwards:
 a motion answers the command that was in force when it was asked for. docs/physics.md says how to read the table.
 """
@@ -27,9 +27,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 PARTS = ("left_foot", "right_foot", "left_hand", "right_hand", "trunk")
 AXES = {"foot": (0, 1, 5), "hand": (0, 1, 2), "trunk": (0, 1, 2, 3, 4, 5)}
 SITUATIONS = {"hold": "at rest", "double": "double support", "single_left": "a foot in the air", "single_right": "a foot in the air"}
-HEARTBEAT = 1 / 30  # as the page [s]
-DIFFERENT = 1e-9  # of a joint target [rad]
-REST = 1.0  # a change is held for this much longer than the longest motion, if nothing answers it [s]
+HEARTBEAT = 1 / 30  # same as the page [s]
+DIFFERENT = 1e-9  # threshold on joint targets [rad]
+REST = 1.0  # without a response, a change is held for this much longer than the longest motion [s]
 
 
 @dataclasses.dataclass
@@ -38,24 +38,24 @@ class Change:
 
     command: dict
     switched: bool  # to another guided part
-    deflected: bool  # else the stick is let go of
-    sent: float  # [s] by the clock on the wall
-    refusal: str | None = None  # that the page was told while it was held
-    tick: int | None = None  # the first that saw it
+    deflected: bool  # else released
+    sent: float  # wall-clock time [s]
+    refusal: str | None = None  # refusal reported to the page meanwhile
+    tick: int | None = None  # first tick with the new command
     situation: str | None = None
-    response: int | None = None  # the first whose joint target differs by the first motion that answers it
-    latency: float | None = None  # from sending it to that tick [s]
-    first: bool = False  # what was asked for first was that motion, or came too late
+    response: int | None = None  # first tick whose joint target shows the first motion in response
+    latency: float | None = None  # from sending to that tick [s]
+    first: bool = False  # the first answer was that motion, or came too late
 
 
 class Stick:
-    """A page that drives: its newest command goes out at once and 30 times a second."""
+    """A driving page: sends its newest command at once and 30 times a second."""
 
     def __init__(self, socket):
         self.socket = socket
         self.state = {}
-        self.offset = math.inf  # least of: clock on the wall when a state came − its time of the run [s]
-        self.lags = []  # the same of every state
+        self.offset = math.inf  # minimum over states of wall-clock arrival − run time [s]
+        self.lags = []  # the same for every state
         self.lock = threading.Lock()
         self.command = command("trunk")
         self.ended = threading.Event()
@@ -95,7 +95,7 @@ def command(guide, axes=(0, 0, 0, 0, 0, 0), lift=(0, 0)):
 
 
 def deflected(rng, guide):
-    """One of the part's axes nearly full, or a direction of the plane; no two commands are the same."""
+    """Nearly full deflection of one axis, or in a horizontal direction; no two commands are equal."""
     axes = [0.0] * 6
     if rng.random() < 0.5:
         axes[rng.choice(AXES[guide.split("_")[-1]])] = rng.choice((-1, 1)) * rng.uniform(0.98, 1)
@@ -106,7 +106,7 @@ def deflected(rng, guide):
 
 
 def differ(a, b):
-    """Another part, or at least 60° away."""
+    """Another part, or a direction at least 60° different."""
     dot = sum(x * y for x, y in zip(a["axes"], b["axes"]))
     return a["guide"] != b["guide"] or dot <= 0.5 * math.hypot(*a["axes"]) * math.hypot(*b["axes"])
 
@@ -120,7 +120,7 @@ def wait_for(condition, patience, what):
 
 
 def steer(stick, rng, count, lookahead, longest):
-    """Changes the stick until it has been deflected anew `count` times."""
+    """Changes the stick until it has been deflected `count` times."""
     wait_for(lambda: stick.state.get("role") == "driver" and stick.state["device"]["armed"], 30, "the stick")
     changes = []
     while sum(change.deflected for change in changes) < count:
@@ -134,7 +134,7 @@ def steer(stick, rng, count, lookahead, longest):
                 continue
         refusals = stick.state["refusals"]
         change = Change(new, new["guide"] != old["guide"], any(new["axes"]), stick.send(new))
-        # Held until a motion seems to answer it, or it is refused at rest, lest the slow ones be cut off.
+        # Held until a motion seems to respond, or it is refused at rest, so that slow responses count too.
         while change.deflected and began(stick) < change.sent + lookahead and time.monotonic() < change.sent + longest + REST:
             time.sleep(0.005)
             if stick.state["refusals"] > refusals:
@@ -147,13 +147,13 @@ def steer(stick, rng, count, lookahead, longest):
 
 
 def began(stick):
-    """When the motion under way began, by the clock on the wall; long ago if there is none."""
+    """Wall-clock start of the motion under way; long ago if there is none."""
     state = stick.state
     return state["t"] - state["segment"]["time"] + stick.offset if state["goal"] else -math.inf
 
 
 def read_recording(recording):
-    """Command in force and joint angles of each tick; tick after which the planner was asked → that of its answer."""
+    """Active command and joint angles of each tick; tick of each planning request → tick of its answer."""
     commands, targets, asks = [], [], {}
     with open(recording) as lines:
         next(lines)
@@ -178,11 +178,11 @@ def columns(trace, *names):
 
 
 def find_answers(changes, recording, trace, offset, tick):
-    """Fills in what became of the changes; tick: of the profile."""
+    """Fills in the outcome of the changes; `tick`: the profile's table."""
     commands, targets, asks = read_recording(recording)
     phases, segments = columns(trace, "phase", "segment")
     begun = [k for k in range(1, len(segments)) if segments[k] != segments[k - 1] and segments[k] != "-1"]
-    # The command that each motion answers is that of the last tick at which the planner was asked before it.
+    # A motion answers the command of the last tick at which the planner was asked before it.
     asked = {k: max(a for a in asks if a < k) for k in begun}
     k = 0
     for change in changes:
@@ -199,15 +199,15 @@ def find_answers(changes, recording, trace, offset, tick):
         late = first is not None and asks[first] - first >= tick["lookahead"]
         change.first = late or (change.response is not None and asked[change.response] == first)
         if change.response is not None:
-            # From rest a motion sets out gently: the joints may follow a tick or two later.
+            # From rest a motion starts gently: the joints may follow a tick or two later.
             while max(abs(a - b) for a, b in zip(targets[change.response], targets[change.response - 1])) <= DIFFERENT:
                 change.response += 1
-            # A state's time is that of the tick that comes next.
+            # A state carries the time of the next tick.
             change.latency = offset + (change.response + 1) * tick["period"] - change.sent
 
 
 def measure(program, robot, count, seed, folder):
-    """Changes with what became of them, the program's report, and how far states lag behind the clock [s]."""
+    """Changes with their outcome, the program's report, and the lag of states behind the clock [s]."""
     profile_file = pathlib.Path(robot) if robot.endswith(".toml") else ROOT / "robots" / robot / "profile.toml"
     profile = tomllib.loads(profile_file.read_text())
     tick = profile["tick"]
@@ -222,7 +222,7 @@ def measure(program, robot, count, seed, folder):
             changes = steer(stick, random.Random(seed), count, tick["lookahead"] * tick["period"], profile["duration"]["max"])
             stick.close()
     finally:
-        baton.terminate()  # it comes to rest and writes
+        baton.terminate()  # comes to rest and writes its files
         baton.communicate(timeout=60)
     if baton.returncode != 0:
         raise RuntimeError(f"{program}: exit {baton.returncode}")
@@ -231,7 +231,7 @@ def measure(program, robot, count, seed, folder):
 
 
 def quantile(values, share):
-    """As baton_bench has it."""
+    """In the format of baton_bench."""
     ordered = sorted(values)
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))] if ordered else 0.0
 
@@ -247,7 +247,7 @@ def row(name, changes):
 
 
 def loop_lines(report, lags):
-    """How the loop and the planner kept up."""
+    """Timing of the control loop and the planner."""
     loop, plan = report["loop"], report["plan_us"]
     ticks = round(report["duration_s"] / (1e-6 * loop["period_us"]))
     used = (f"{name} {loop['period_us'] - loop['slack_us'][slack]:.0f}" for name, slack in (("p99", "p1"), ("max", "min")))

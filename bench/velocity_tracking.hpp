@@ -1,5 +1,5 @@
-/// What the paper argues against: the guided point follows the stick's velocity, the COM stays above the support, and
-/// inverse kinematics does the rest at every tick. Nothing is planned and nothing verified.
+/// The baseline that the paper argues against: the guided point follows the stick's velocity, the COM stays above the
+/// support, and inverse kinematics runs at every tick, without planning or verification.
 #pragma once
 
 #include "baton/guide/command.hpp"
@@ -8,7 +8,7 @@
 
 namespace baton::bench {
 
-/// On level ground at height 0.
+/// For level ground at height 0.
 ///
 /// At full stick a part moves by its reach per default duration of the profile; velocities are smoothed with the
 /// pendulum's time constant, and parts not moved by the stick return to their targets no faster. A guided foot is up

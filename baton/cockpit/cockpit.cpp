@@ -214,7 +214,7 @@ void Cockpit::Server::start() {
     const bool in_use = start_error_.find("in use") != std::string::npos;
     const std::string why = in_use ? "is in use by another program" : fmt::format("cannot be opened: {}", start_error_);
     throw InputError(
-        fmt::format("page: port {} {}: choose another one, or 0 for any that is free", parameters_.port, why));
+        fmt::format("page: port {} {}: choose another one, or 0 for any free port", parameters_.port, why));
   }
   mg_server_port listening{};
   if (mg_get_server_ports(context_.get(), 1, &listening) == 1) port_ = listening.port;
@@ -293,7 +293,7 @@ bool Cockpit::Server::hear(const mg_connection* connection, int bits, std::strin
     page = found->second.get();
   }
   if (opcode != MG_WEBSOCKET_OPCODE_TEXT || (bits & kFinal) == 0) {
-    complain(*page, "a message has to be one whole text");
+    complain(*page, "a message must be one complete text");
     return true;
   }
   const PageMessage message = parse_page_message(text);

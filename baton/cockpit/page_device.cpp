@@ -63,9 +63,9 @@ DeviceStatus PageDevice::status() const {
   if (!driver_) {
     status.hint = "Nobody drives: open the page and take the stick.";
   } else if (!status.connected) {
-    status.hint = "No signal from the page that drives: the stick counts as centred.";
+    status.hint = "No signal from the driving page: the stick counts as centred.";
   } else if (!status.armed) {
-    status.hint = "Let go of all keys, sliders and sticks once.";
+    status.hint = "Release all keys, sliders and sticks once.";
   }
   return status;
 }

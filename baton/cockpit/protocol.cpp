@@ -99,7 +99,7 @@ PageMessage parse_command(const json& message) {
   Steer steer;
   const auto guide = message.find("guide");
   const auto deadman = message.find("deadman");
-  if (guide == message.end() || !guide->is_string()) return Malformed{"command: guide is not a text"};
+  if (guide == message.end() || !guide->is_string()) return Malformed{"command: guide is not a string"};
   const std::optional<Part> part = part_named(guide->get_ref<const std::string&>());
   if (!part) return Malformed{"command: guide is not the name of a part"};
   steer.command.guide = *part;
@@ -108,7 +108,7 @@ PageMessage parse_command(const json& message) {
   if (!read_numbers(message, "axes", 6, axis)) return Malformed{"command: axes are not 6 numbers"};
   if (!read_numbers(message, "lift", 2, lift)) return Malformed{"command: lift is not 2 numbers"};
   const auto recalled = message.find("recall");
-  if (recalled == message.end() || !recalled->is_string()) return Malformed{"command: recall is not a text"};
+  if (recalled == message.end() || !recalled->is_string()) return Malformed{"command: recall is not a string"};
   const std::optional<Recall> recall = recall_named(recalled->get_ref<const std::string&>());
   if (!recall) return Malformed{"command: recall is not none, retrace, home or stop"};
   steer.command.recall = *recall;

@@ -151,7 +151,7 @@ DeviceStatus Joystick::status() const {
   switch (arming_.state()) {
     case Arming::State::absent:
       if (handle_) {
-        status.hint = fmt::format("Silent for more than {} s: let go of every control.", parameters_.max_age);
+        status.hint = fmt::format("Silent for more than {} s: release all controls.", parameters_.max_age);
       } else if (!refused_name_.empty()) {
         status.hint = fmt::format("{} is neither an AV8R nor a pad known to SDL: plug in one.", refused_name_);
       } else {
@@ -159,8 +159,8 @@ DeviceStatus Joystick::status() const {
       }
       break;
     case Arming::State::waiting:
-      status.hint = std::holds_alternative<PadState>(controls_) ? "Let go of every control, triggers too."
-                                                                : "Let go of stick and switches.";
+      status.hint = std::holds_alternative<PadState>(controls_) ? "Release all controls, triggers included."
+                                                                : "Release stick and switches.";
       break;
     case Arming::State::armed:
       if (dead_man_released()) status.hint = "Hold the left shoulder button to move.";

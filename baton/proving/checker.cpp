@@ -58,7 +58,7 @@ bool same_place(const Checker::Tick& a, const Checker::Tick& b) {
 Checker::Checker(const RobotModel& robot, const std::string& model_text, const Tolerances& tolerances)
     : robot_(&robot), tolerance_(tolerances), model_(compile_text(model_text, "model of robot and world")) {
   const mjModel& m = *model_;
-  if (m.nq != robot.nq()) throw InputError("model of robot and world: something in the world has joints of its own");
+  if (m.nq != robot.nq()) throw InputError("model of robot and world: the world has joints");
   prepare_model();
   world_ = DataPtr(mj_makeData(&m));
   forces_ = DataPtr(mj_makeData(&m));

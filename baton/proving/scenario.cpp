@@ -92,7 +92,7 @@ const Scenario& scenario_named(const std::string& name) {
   std::string names;
   for (const Scenario& scenario : scenarios())
     names += fmt::format("{}{}", names.empty() ? "" : ", ", scenario.name);
-  throw InputError(fmt::format("--scenario {}: there is none of this name, but {}", name, names));
+  throw InputError(fmt::format("--scenario {}: must be one of {}", name, names));
 }
 
 Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times) {

@@ -19,11 +19,11 @@ constexpr int kLinks = 40;  ///< symbolic links followed, as in the kernel
 
 std::string failure(const std::filesystem::path& file, const std::string& what, int error) {
   return fmt::format("{} {}: cannot be written: {}", what, file.string(),
-                     error == ENXIO ? "nobody reads from it" : std::strerror(error));
+                     error == ENXIO ? "it has no reader" : std::strerror(error));
 }
 
 std::string not_whole(const std::filesystem::path& file, const std::string& what, int error) {
-  return fmt::format("{} {}: could not be written whole: {}", what, file.string(),
+  return fmt::format("{} {}: could not be written completely: {}", what, file.string(),
                      error == 0 ? "is the disk full?" : std::strerror(error));
 }
 

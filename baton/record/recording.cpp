@@ -174,7 +174,7 @@ bool RecordingReader::read_line(std::string& line) {
     if (!whole_) break;
     line += static_cast<char>(c);
     if (line.size() > kLongest) {
-      throw InputError(fmt::format("{}: has more than {} bytes: is not one of a recording", place(), kLongest));
+      throw InputError(fmt::format("{}: has more than {} bytes: not a line of a recording", place(), kLongest));
     }
   }
   return whole_ || !line.empty();

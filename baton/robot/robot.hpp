@@ -32,7 +32,7 @@ class Robot {
 
   /// Returns to the state after construction, including random number generators.
   /// @throws std::logic_error not supported, as on a real robot
-  virtual void reset() { throw std::logic_error("this robot cannot be put back to its start"); }
+  virtual void reset() { throw std::logic_error("this robot cannot be reset to its start"); }
 
   /// Ground truth, updated by each `write`; null if there is none, as on a real robot.
   [[nodiscard]] virtual const Truth* truth() const { return nullptr; }

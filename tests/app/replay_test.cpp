@@ -64,7 +64,7 @@ TEST_F(Replay, GivesTheSameJointTargetsBitByBit) {
       const Outcome again = run({"replay", file_, "--verify"});
       EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
       EXPECT_THAT(again.out, HasSubstr("600 ticks"));
-      EXPECT_THAT(again.out, HasSubstr("bit by bit"));
+      EXPECT_THAT(again.out, HasSubstr("identical bit for bit"));
     }
   }
 }
@@ -120,7 +120,7 @@ TEST_F(Replay, NoticesAnythingElse) {
   write();
   const Outcome other = run({"replay", file_, "--verify"});
   EXPECT_EQ(other.code, app::kFailed);
-  EXPECT_THAT(other.out, HasSubstr("other joint targets"));
+  EXPECT_THAT(other.out, HasSubstr("the joint targets differ"));
   text[21] = original;
 
   // A recording that ends in the middle of a line was cut off by the end of the process.
@@ -158,7 +158,7 @@ TEST_F(Replay, HoldsTheTargetsThemselvesToTheRecordedOnes) {
     out.close();
     const Outcome other = run({"replay", file_, "--verify"});
     EXPECT_EQ(other.code, app::kFailed) << change.line;
-    EXPECT_THAT(other.out, HasSubstr("tick " + std::to_string(change.line - 1) + ": other joint targets"));
+    EXPECT_THAT(other.out, HasSubstr("tick " + std::to_string(change.line - 1) + ": the joint targets differ"));
     EXPECT_EQ(run({"replay", file_}).code, app::kDone) << "without --verify it is only summed up";
   }
 }

@@ -73,7 +73,7 @@ TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
 
   const Outcome other = soak("parts.json", "60", {"--resume", "--world", "room"});
   EXPECT_EQ(other.code, kBadInput);
-  EXPECT_THAT(other.err, HasSubstr("world is \"flat\" there and \"room\" here"));
+  EXPECT_THAT(other.err, HasSubstr("world is \"flat\" in the file and \"room\" here"));
 }
 
 TEST(Soak, AFallIsReportedWithAScriptThatReplaysIt) {

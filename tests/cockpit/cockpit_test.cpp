@@ -479,7 +479,7 @@ TEST_F(CockpitTest, NamesThePortThatItCannotHave) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(error.what(), fmt::format("page: port {} is in use by another program: choose another one, or 0 for "
-                                        "any that is free",
+                                        "any free port",
                                         port_));
   }
   EXPECT_THROW(Cockpit({.port = 65536}, robot_, "room", room_with_mighty()), InputError);

@@ -1,7 +1,7 @@
 /** A gamepad with the browser's "standard" mapping as a stick. Knows nothing of the browser. */
 import { oneOf, type Part, type Recall } from './protocol';
 
-/** What is needed of the browser's Gamepad. */
+/** The used part of the browser's Gamepad. */
 export interface Pad {
   index: number;
   id: string;
@@ -16,19 +16,18 @@ export interface PadInput {
   lift: [number, number];
   recall: Recall;
   deadman: boolean;
-  choose: Part | null; // a part whose button was pressed since the last reading
+  choose: Part | null; // part whose button was pressed since the last reading
 }
 
-/** Whether anything that springs back is held; the bumper aside. */
+/** Whether any control except the bumper is deflected or pressed. */
 export const touched = ({ axes, lift, recall }: PadInput): boolean =>
   recall !== 'none' || [...axes, ...lift].some((value) => value !== 0);
 
 export const deadZone = 0.08;
-const curve = 0.5; // c: 0 straight … 1 cubic
+const curve = 0.5; // c: 0 linear … 1 cubic
 
 /**
- * Dead zone d, then a curve that is fine in the middle, as in docs/input.md:
- * (1−c)u + cu³ with u = (x−d)/(1−d).
+ * Dead zone d, then a curve with fine control near the centre, as in docs/input.md: (1−c)u + cu³ with u = (x−d)/(1−d).
  */
 export function shape(value: number, c = curve): number {
   if (!Number.isFinite(value)) return 0;
@@ -58,13 +57,13 @@ enum Button {
 }
 
 export class Gamepad {
-  /** The left bumper has to be held for the pad to count. */
+  /** The pad counts only while the left bumper is held. */
   needsHold = true;
   private index = -1;
   private armed = false;
   private chooser: Part | null = null;
 
-  /** The axes and triggers of the pad, or null while there is none; a new pad counts once it was centred. */
+  /** Axes and triggers of the pad, or null without one; a new pad counts once it has been centred. */
   read(pad: Pad | null): PadInput | null {
     if (pad === null || !pad.connected || pad.mapping !== 'standard') {
       this.index = -1;
@@ -104,7 +103,7 @@ export class Gamepad {
       : { axes: [0, 0, 0, 0, 0, 0], lift: [0, 0], recall: 'none', deadman: false, choose: input.choose };
   }
 
-  /** The one button pressed of those that choose; two at once choose nothing. */
+  /** The selecting button that is pressed; two at once select nothing. */
   private newChoice(pressed: (button: Button) => boolean): Part | null {
     const choices: [Button, Part][] = [
       [Button.A, 'trunk'],

@@ -7,7 +7,7 @@ import type { Stick } from './stick';
 
 const axisNames = ['forward', 'left', 'up', 'roll', 'pitch', 'yaw'];
 const axisKeys = ['W S', 'A D', 'R F', '→ ←', '↑ ↓', 'Q E'];
-const freshFor = 2500; // a refusal or a limit stays in the foreground [ms]
+const freshFor = 2500; // time a refusal or a limit stays prominent [ms]
 
 function element<T extends HTMLElement = HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -18,7 +18,7 @@ function text(id: string, content: string): void {
   if (target.textContent !== content) target.textContent = content;
 }
 
-/** Shows a note, or hides it when there is nothing to say. */
+/** Shows a note, or hides it if empty. */
 function note(id: string, content: string): void {
   text(id, content);
   element(id).hidden = content === '';
@@ -32,7 +32,7 @@ export interface Actions {
   takeOrLeave(): void;
   toggleFollow(): void;
   letGo(): void;
-  moved(): void; // the stick, by a button
+  moved(): void; // the stick was moved by a button
 }
 
 export class Hud {
@@ -91,18 +91,18 @@ export class Hud {
   toggleHelp(): void {
     const help = element<HTMLDialogElement>('help');
     if (help.open) return help.close();
-    this.actions.letGo(); // nobody drives while reading
+    this.actions.letGo(); // release the stick while reading
     help.showModal();
-    help.scrollTop = 0; // not where the focus is
+    help.scrollTop = 0; // not at the focused element
   }
 
-  /** A cover over the page while there is nothing to see; '' lifts it. */
+  /** Covers the page with a text; '' removes the cover. */
   cover(content: string): void {
     element('cover').classList.toggle('hidden', content === '');
     if (content !== '') text('cover-text', content);
   }
 
-  /** For programs that look at the page. */
+  /** For programs that inspect the page. */
   activity(what: Activity): void {
     document.body.dataset.state = what;
   }
@@ -110,14 +110,14 @@ export class Hud {
   disconnected(): void {
     this.activity('waiting');
     this.role('lost', 'no connection');
-    this.cover('The program does not answer. The page comes back by itself when it runs again.');
+    this.cover('The program does not answer. The page reconnects when it runs again.');
   }
 
-  /** The connection stands, and nothing comes through; the next state takes it back. */
+  /** Connected, but no data arrives; cleared by the next state. */
   noSignal(): void {
     this.activity('waiting');
     this.role('lost', 'no signal');
-    note('hint', 'No signal from the program: what is seen is old, and the stick counts as centred.');
+    note('hint', 'No signal from the program: the view is outdated, and the stick counts as centred.');
   }
 
   pad(description: string): void {
@@ -131,9 +131,9 @@ export class Hud {
       drives ? 'you drive' : state.taken ? 'watching' : 'nobody drives',
     );
     element('take').hidden = !drives && state.taken;
-    text('take', drives ? 'Give it back' : 'Take the stick');
+    text('take', drives ? 'Release the stick' : 'Take the stick');
     document.body.classList.toggle('watching', !drives);
-    // A driver sees at once what the keys say; what the program obeys comes a moment later.
+    // A driver sees its own stick at once; the command in force arrives a moment later.
     this.choose(drives ? this.stick.guide : state.guide);
     this.bars.forEach((bar, i) => deflect(bar, state.axes[i] ?? 0));
     const lift = drives ? this.stick.lift : state.lift;
@@ -152,7 +152,7 @@ export class Hud {
     text('com', metres(state.com));
     text('zmp', metres(state.zmp));
 
-    const hint = fallen ? 'The run is over. The program ends when the page is left.' : state.device.hint;
+    const hint = fallen ? 'The run is over. The program ends when the page is closed.' : state.device.hint;
     note('hint', !fallen && state.device.armed ? '' : hint);
     note('message', state.message);
     element('message').classList.toggle('fallen', fallen);
@@ -170,7 +170,7 @@ export class Hud {
     note('stuck', stuckText(state.stuck));
   }
 
-  /** Shown a little longer than the motion lasts, but not while another one goes all the way. */
+  /** Shown a little longer than the motion, but not during a later unlimited one. */
   private limited({ limit, goal }: State, now: number): void {
     if (limit) {
       this.limitUntil = now + freshFor;
@@ -219,7 +219,7 @@ export class Hud {
     };
   }
 
-  /** A button in place of the stick: only while it is pressed, and the pointer on it. */
+  /** Recall button: active only while pressed with the pointer on it. */
   private whilePressed(button: HTMLButtonElement): void {
     const way = button.dataset.way as Recall;
     const { stick } = this;
@@ -227,7 +227,7 @@ export class Hud {
     button.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       pointer = event.pointerId;
-      if (button.hasPointerCapture(pointer)) button.releasePointerCapture(pointer); // a finger may leave
+      if (button.hasPointerCapture(pointer)) button.releasePointerCapture(pointer); // so that a finger can leave
       stick.hold(way);
       this.actions.moved();
     });
@@ -239,9 +239,9 @@ export class Hud {
       this.actions.moved();
     };
     button.addEventListener('pointerleave', end);
-    addEventListener('pointerup', end); // wherever it is
+    addEventListener('pointerup', end); // anywhere on the page
     addEventListener('pointercancel', end);
-    button.addEventListener('contextmenu', (event) => event.preventDefault()); // of a long touch
+    button.addEventListener('contextmenu', (event) => event.preventDefault()); // from a long touch
   }
 
   private addAxis(name: string, keys: string): HTMLElement {

@@ -1,7 +1,7 @@
-/** Keys as a stick: held keys deflect the axes fully, with Shift by half. Knows nothing of the browser. */
+/** Keyboard as a stick: held keys deflect the axes fully, with Shift by half. Independent of the browser. */
 import { oneOf, type Recall } from './protocol';
 
-/** Key (its place on an English keyboard) → axis and direction. */
+/** Key (position on an English keyboard) → axis and direction. */
 const axisKeys: Record<string, [axis: number, sign: number]> = {
   KeyW: [0, 1],
   KeyS: [0, -1],
@@ -17,7 +17,7 @@ const axisKeys: Record<string, [axis: number, sign: number]> = {
   KeyE: [5, -1],
 };
 
-/** Key → way back or to rest, while it is held. */
+/** Key → recall while held. */
 const recallKeys: Record<string, Recall> = {
   Backspace: 'retrace',
   KeyH: 'home',

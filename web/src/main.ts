@@ -8,14 +8,14 @@ import { Link } from './socket';
 import { sameCommand, Stick } from './stick';
 import { View } from './view';
 
-const sendPeriod = 33; // of commands while driving: the heartbeat that the program listens for [ms]
+const sendPeriod = 33; // period of commands while driving, which serve as heartbeat [ms]
 
 const stick = new Stick();
 const signal = new Signal();
 let view: View | null = null;
 let state: State | null = null;
 let drew: State | null = null;
-let wantsToDrive = true; // the first page that is opened drives
+let wantsToDrive = true; // the first page opened drives
 
 const link = new Link(`ws://${location.host}/ws`);
 const hud = new Hud(stick, {
@@ -63,7 +63,7 @@ function letGo(): void {
   send(false);
 }
 
-/** Space stops whatever is open, focused or held beside it, and does nothing else: it presses no button. */
+/** Space stops, whatever is open, focused or held, and never activates a button. */
 function stopKey(event: KeyboardEvent): void {
   event.preventDefault();
   event.stopImmediatePropagation();
@@ -76,7 +76,7 @@ addEventListener(
   'keydown',
   (event) => {
     if (event.code === 'Space') return stopKey(event);
-    if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // the browser's own
+    if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // browser shortcuts
     const help = event.key === '?' || event.code === 'Slash';
     if (document.querySelector('dialog[open]') && !help) return;
     stick.keyboard.shift(event.shiftKey);
@@ -111,7 +111,7 @@ addEventListener('gamepadconnected', describePads);
 addEventListener('gamepaddisconnected', describePads);
 setInterval(() => {
   if (signal.lost(performance.now())) {
-    letGo(); // nobody should hold keys for a robot that is not seen
+    letGo(); // no driving without a current view
     hud.noSignal();
   }
   send(true);
@@ -152,7 +152,7 @@ async function show(): Promise<void> {
 
 let lost = false;
 link.onOpen = () => {
-  if (lost) return location.reload(); // perhaps another robot, another world, another page
+  if (lost) return location.reload(); // robot, world or page may have changed
   if (wantsToDrive) link.send({ type: 'drive' });
 };
 link.onState = (newest) => {

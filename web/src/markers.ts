@@ -1,4 +1,4 @@
-/** What the program has in mind, drawn over the scene: support polygon, COM, ZMP, DCM, and the goal. */
+/** Plan markers over the scene: support polygon, COM, ZMP, DCM and goal. */
 import * as THREE from 'three';
 import { Line2 } from 'three/addons/lines/Line2.js';
 import { LineGeometry } from 'three/addons/lines/LineGeometry.js';
@@ -17,7 +17,7 @@ type Shown = Pick<State, 'support' | 'support_height' | 'com' | 'zmp' | 'dcm'> &
   goal: Pick<Goal, 'soles' | 'hands' | 'com'> | null;
 };
 
-/** A flat area with a rim. */
+/** A flat area with an outline. */
 class Area {
   readonly group = new THREE.Group();
   private readonly rim: Line2;
@@ -66,7 +66,7 @@ class Area {
   }
 }
 
-/** Things that are seen through the robot. */
+/** Markers visible through the robot. */
 function overlay(geometry: THREE.BufferGeometry, color: string, opacity = 1): THREE.Mesh {
   const material = new THREE.MeshBasicMaterial({
     color,
@@ -96,7 +96,7 @@ export class Markers {
   private readonly hands: [THREE.Mesh, THREE.Mesh];
   private readonly plumb: THREE.Line;
 
-  /** `size`: of the robot [m]. */
+  /** `size`: size of the robot [m]. */
   constructor(private readonly size: number) {
     const r = 0.035 * size;
     const goalSole = (): Area => new Area(colours.goal, 0.3, 2.5, 0.04 * size);
@@ -123,7 +123,7 @@ export class Markers {
     this.root.add(...this.hands, this.plumb);
   }
 
-  /** Shows everything that there is, anywhere. */
+  /** Shows every marker, anywhere. */
   showAll(camera: THREE.Camera): void {
     const corners = [
       [0, 0, 0],
@@ -144,7 +144,7 @@ export class Markers {
     );
   }
 
-  /** `camera`: what faces the eye turns to it. */
+  /** `camera`: billboards turn towards it. */
   show(state: Shown, camera: THREE.Camera): void {
     this.root.visible = true;
     const ground = state.support_height ?? 0;

@@ -8,10 +8,10 @@ export const isFoot = (part: Part): boolean => part.endsWith('_foot');
 /** "left_foot" → "left foot" */
 export const inWords = (name: string): string => name.replaceAll('_', ' ');
 
-/** While it is held: what was done last, backwards; to the stance it began in; to rest, as quickly as can be. */
+/** Active while held: go back the way it came; step to the initial stance; come to rest as quickly as possible. */
 export type Recall = 'none' | 'retrace' | 'home' | 'stop';
 
-/** One of those held: stop wins, then retrace. */
+/** The recall in force: stop wins, then retrace. */
 export const oneOf = (held: Iterable<Recall>): Recall => {
   const all = new Set(held);
   return (['stop', 'retrace', 'home'] as const).find((recall) => all.has(recall)) ?? 'none';
@@ -35,7 +35,7 @@ export interface Refusal {
   value: Value;
   limit: Value;
   where: string;
-  cause: string | null; // the reason behind it, of which value and limit are then
+  cause: string | null; // underlying reason, which value and limit then refer to
 }
 
 export interface Goal {
@@ -47,10 +47,10 @@ export interface Goal {
   com: Value[];
 }
 
-/** What the robot does; `waiting`: nothing is known of it. */
+/** What the robot is doing; `waiting`: unknown. */
 export type Activity = 'rest' | 'moving' | 'stopping' | 'retracing' | 'fallen' | 'waiting';
 
-/** A part that was refused again and again at one rest, and what leads away from there. */
+/** A part that was refused repeatedly at the same rest, and the ways out. */
 export interface Stuck {
   part: Part;
   times: number; // in a row
@@ -72,8 +72,8 @@ export interface State {
   device: { name: string; connected: boolean; armed: boolean; hint: string };
   goal: Goal | null;
   segment: { time: Value; duration: Value };
-  limit: Refusal | null; // what spoke against the whole way, if the motion is only a part of it
-  history: number; // motions that can be retraced
+  limit: Refusal | null; // why the motion does only part of the request, if so
+  history: number; // number of motions that can be retraced
   contact: [boolean, boolean];
   support: Value[][];
   support_height: Value;
@@ -110,5 +110,5 @@ export interface Model {
   sites: { name: string; pos: [number, number, number]; visible: boolean }[];
 }
 
-/** Whether all of a list are numbers. */
+/** Whether all elements are numbers. */
 export const finite = (values: Value[]): values is number[] => values.every((value) => value !== null);

@@ -1,17 +1,17 @@
-/** What is asked for in place of the stick, in words. */
+/** Texts about retrace, home and stop. */
 import { inWords, type State, type Stuck } from './protocol';
 
-/** What goes on while a button is held; '' when there is nothing to say. */
+/** Text while a recall button is held; '' if none applies. */
 export function recallText({ recall, state, history }: Pick<State, 'recall' | 'state' | 'history'>): string {
   if (recall === 'stop' && state === 'stopping') return 'stopping';
-  if (recall === 'stop' && state === 'rest') return 'stopped: nothing begins while this is held';
-  if (state !== 'retracing') return ''; // refused, or waiting for the motion before to end
-  if (recall === 'home') return 'home: to the stance that it began in';
+  if (recall === 'stop' && state === 'rest') return 'stopped: no motion starts while this is held';
+  if (state !== 'retracing') return ''; // refused, or waiting for the previous motion to end
+  if (recall === 'home') return 'home: back to the initial stance';
   if (recall !== 'retrace') return '';
   return `retracing: back the way it came${history > 0 ? `, ${history} more` : ''}`;
 }
 
-/** What leads out for a part that is refused again and again. */
+/** Advice for a part that is refused repeatedly. */
 export function stuckText(stuck: Stuck | null): string {
   if (!stuck) return '';
   const times = stuck.times === 3 ? 'three' : String(stuck.times);

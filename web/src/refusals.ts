@@ -5,7 +5,7 @@ import table from './reasons.json';
 type Unit = 'length' | 'angle' | 'speed' | 'acceleration' | 'share' | 'number' | 'none';
 type Bound = 'at least' | 'at most' | 'range' | 'none';
 
-/** The program's table, baton/motion/reason.hpp, in words; a test of the program compares them. */
+/** Copy of the program's table in baton/motion/reason.hpp; a test of the program compares them. */
 const reasons = table as Record<string, { unit: Unit; bound: Bound; text: string }>;
 
 const rounded = (value: number, digits: number): string => String(Number(value.toFixed(digits)));
@@ -37,26 +37,26 @@ function numbers(value: Value, limit: Value, unit: Unit, bound: Bound): string {
 /** "left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)" */
 export function refusalText({ reason, part, value, limit, where, cause }: Refusal): string {
   const known = reasons[reason] ?? { text: inWords(reason), unit: 'number', bound: 'range' };
-  if (reason === 'no_history') return known.text; // it concerns no part
-  const why = (cause && reasons[cause]) || known; // what the numbers are about
+  if (reason === 'no_history') return known.text; // independent of the part
+  const why = (cause && reasons[cause]) || known; // the reason that the numbers belong to
   let text = why === known ? known.text : `${known.text}: ${why.text}`;
   if (where !== '' && !part.includes(where)) text += `, ${inWords(where)}`;
   return `${inWords(part)}: ${text}${numbers(value, limit, why.unit, why.bound)}`;
 }
 
-/** Of a motion that goes only a part of the way: what spoke against the whole. */
-export const limitText = (limit: Refusal): string => `as far as it goes: ${refusalText(limit)}`;
+/** Why a motion does only part of what was asked. */
+export const limitText = (limit: Refusal): string => `only part of the way: ${refusalText(limit)}`;
 
-/** The last few refusals, newest first; one that comes again and again counts up instead. */
+/** The last few refusals, newest first; repetitions are counted. */
 export class RefusalLog {
   readonly entries: { text: string; count: number; key: string }[] = [];
   private seen = 0;
 
   constructor(private readonly length = 5) {}
 
-  /** Takes the newest refusal and their number since the start; true if something changed. */
+  /** Adds the newest refusal, given the total since the start; true if something changed. */
   add(refusal: Refusal | null, total: number): boolean {
-    if (total < this.seen) this.seen = 0; // another run
+    if (total < this.seen) this.seen = 0; // a new run
     if (refusal === null || total === this.seen) return false;
     const count = total - this.seen;
     this.seen = total;

@@ -1,4 +1,4 @@
-/** The compiled model, drawn: any robot in any world. */
+/** Draws the compiled model: any robot in any world. */
 import * as THREE from 'three';
 import { finite, inWords, type Geom, type Model, type Part, type Value } from './protocol';
 import { floorTexture, label, meshGeometry, shape } from './shapes';
@@ -11,13 +11,13 @@ export class Robot {
   private readonly bodyOf: Map<Part, number>;
   private guided: number | null = null;
 
-  /** `anisotropy`: how sharp the floor is drawn far away. */
+  /** `anisotropy`: sharpness of the distant floor. */
   constructor(model: Model, anisotropy: number) {
     const meshes = model.meshes.map(meshGeometry);
     this.bodies = model.bodies.map(() => new THREE.Group());
     this.bodyOf = new Map(model.parts.map(({ name, body }) => [name, body]));
     this.root.add(...this.bodies);
-    this.root.visible = false; // until it is known where everything is
+    this.root.visible = false; // until the poses are known
     for (const geom of model.geoms) this.bodies[geom.body]?.add(drawing(geom, meshes, anisotropy));
     for (const site of model.sites.filter(({ visible }) => visible)) this.root.add(place(site, model.size));
   }
@@ -34,12 +34,12 @@ export class Robot {
     this.root.visible = true;
   }
 
-  /** Where a part's body is. */
+  /** Position of a part's body. */
   position(part: Part): THREE.Vector3 {
     return this.bodies[this.bodyOf.get(part) ?? 0]!.position;
   }
 
-  /** Tints the part that is guided. */
+  /** Highlights the guided part. */
   highlight(part: Part): void {
     const body = this.bodyOf.get(part) ?? null;
     if (body === this.guided) return;
@@ -83,7 +83,7 @@ function drawing(geom: Geom, meshes: THREE.BufferGeometry[], anisotropy: number)
   return mesh;
 }
 
-/** The edges of the world's boxes, so that steps are seen from above. */
+/** Edges of the world's boxes, so that steps are visible from above. */
 function edges(geometry: THREE.BufferGeometry): THREE.LineSegments {
   const material = new THREE.LineBasicMaterial({ color: '#4a4238', transparent: true, opacity: 0.35 });
   return new THREE.LineSegments(new THREE.EdgesGeometry(geometry), material);

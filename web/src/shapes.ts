@@ -4,7 +4,7 @@ import { toCreasedNormals } from 'three/addons/utils/BufferGeometryUtils.js';
 import type { Geom, Model } from './protocol';
 
 const boundless = 50; // half size of an infinite plane [m]
-const crease = 0.5; // sharper edges than this stay edges [rad]
+const crease = 0.5; // edges sharper than this are not smoothed [rad]
 
 function bytes(base64: string): ArrayBuffer {
   return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0)).buffer;
@@ -37,7 +37,7 @@ export function shape(geom: Geom, meshes: THREE.BufferGeometry[]): THREE.BufferG
   }
 }
 
-/** A metre of floor: squares of 0.1 m, with a stronger line around the metre; repeated over an area [m]. */
+/** Floor texture: 0.1 m squares with a stronger line every metre, repeated over an area [m]. */
 export function floorTexture(width: number, depth: number, anisotropy: number): THREE.Texture {
   const pixels = 512;
   const canvas = document.createElement('canvas');
@@ -66,7 +66,7 @@ export function floorTexture(width: number, depth: number, anisotropy: number): 
   return texture;
 }
 
-/** A name in the scene, of the same size from near and far. */
+/** A label in the scene, of constant size on screen. */
 export function label(text: string): THREE.Sprite {
   const canvas = document.createElement('canvas');
   canvas.width = 256;

@@ -1,6 +1,6 @@
-/** Whether the program is heard, by a clock that is passed in. Knows nothing of the browser. */
+/** Detects loss of signal from the program, with an injected clock. Independent of the browser. */
 
-/** So long nothing may come from the program, which tells its state 30 times a second [ms]. */
+/** Longest gap between states, which the program sends 30 times a second [ms]. */
 export const silence = 500;
 
 export class Signal {
@@ -10,12 +10,12 @@ export class Signal {
     this.heardAt = now;
   }
 
-  /** The connection is closed, which is told in other words. */
+  /** The connection is closed, which is reported separately. */
   closed(): void {
     this.heardAt = null;
   }
 
-  /** The connection stands, and nothing comes through. */
+  /** Connected, but no data arrives. */
   lost(now: number): boolean {
     return this.heardAt !== null && now - this.heardAt > silence;
   }

@@ -1,10 +1,10 @@
-/** The connection to the program; comes back by itself. */
+/** The connection to the program; reconnects automatically. */
 import type { Command, State } from './protocol';
 
 type Message = State | { type: 'error'; text: string };
 type Outgoing = ({ type: 'command' } & Command) | { type: 'drive' } | { type: 'release' };
 
-const firstPause = 300; // before it is tried again [ms]
+const firstPause = 300; // pause before reconnecting [ms]
 const longestPause = 3000;
 
 export class Link {
@@ -37,7 +37,7 @@ export class Link {
   }
 
   send(message: Outgoing): void {
-    // What cannot leave now is not worth leaving later.
+    // Drop what cannot be sent now: it would be outdated later.
     if (this.socket?.readyState !== WebSocket.OPEN || this.socket.bufferedAmount > 10_000) return;
     this.socket.send(JSON.stringify(message));
   }

@@ -1,17 +1,17 @@
-/** All that the operator holds, as one command: the pad while it is touched, else keys and sliders. */
+/** Merges the operator's inputs into one command: the pad while touched, else keys and sliders. */
 import { Gamepad, touched, type Pad } from './gamepad';
 import { Keyboard } from './keyboard';
 import { isFoot, oneOf, parts, type Command, type Part, type Recall } from './protocol';
 
 export class Stick {
   guide: Part = 'trunk';
-  lift: [number, number] = [0, 0]; // of the sliders
-  readonly buttons = new Set<Recall>(); // those of the page that are pressed
+  lift: [number, number] = [0, 0]; // set by the sliders
+  readonly buttons = new Set<Recall>(); // pressed buttons of the page
   readonly keyboard = new Keyboard();
   readonly gamepad = new Gamepad();
-  private stopping = false; // until the robot rests, though nobody holds it any more
+  private stopping = false; // lasts until the robot rests, even if released
 
-  /** Centres all that could be held: the page lost its keys, or the operator wants to stop. */
+  /** Centres everything: the page lost the keyboard, or the operator wants to stop. */
   letGo(): void {
     this.keyboard.releaseAll();
     this.buttons.clear();
@@ -24,18 +24,18 @@ export class Stick {
     this.buttons.add(way);
   }
 
-  /** The robot rests: a stop that nobody holds is over. */
+  /** The robot rests: a released stop is over. */
   rests(): void {
     this.stopping = this.held() === 'stop';
   }
 
-  /** Lets go of all else; lasts as long as it is held, and then until the robot rests. */
+  /** Releases everything else; lasts while held, and then until the robot rests. */
   private stop(): void {
     this.letGo();
     this.stopping = true;
   }
 
-  /** Keys that are no axes: 1…5 choose, L lifts the guided foot or lowers it, Space stops. */
+  /** Keys other than axes: 1…5 select a part, L lifts or lowers the guided foot, Space stops. */
   press(code: string): boolean {
     const digit = /^(?:Digit|Numpad)([1-5])$/.exec(code);
     if (digit) {
@@ -51,7 +51,7 @@ export class Stick {
     return true;
   }
 
-  /** What keys and buttons of the page ask for in place of the stick. */
+  /** The recall that keys and buttons of the page ask for. */
   recall(): Recall {
     return this.stopping ? 'stop' : this.held();
   }
@@ -60,14 +60,14 @@ export class Stick {
     return oneOf([this.keyboard.recall(), ...this.buttons]);
   }
 
-  /** On a way back, a foot that stands is not lifted again afterwards. */
+  /** While going back, a foot that stands is set to be down, so that it is not lifted again afterwards. */
   goingBack(contact: readonly [boolean, boolean]): void {
     contact.forEach((stands, foot) => {
       if (stands) this.lift[foot] = 0;
     });
   }
 
-  /** The command of this moment. */
+  /** The current command. */
   command(pad: Pad | null): Command {
     const held = this.gamepad.read(pad);
     if (held?.choose) this.guide = held.choose;

@@ -1,9 +1,9 @@
-/** The eye: renderer, camera, light. z is up. */
+/** Renderer, camera and light. z is up. */
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const horizon = '#e8ecf0';
-const slow = 70; // a picture that takes longer is drawn with less detail [ms]
+const slow = 70; // frame time above which detail is reduced [ms]
 
 export class View {
   follow = true;
@@ -15,7 +15,7 @@ export class View {
   private readonly key = new THREE.DirectionalLight('#fff6ea', 2.0);
   private readonly centre = new THREE.Vector3();
   private detail = Math.min(2, window.devicePixelRatio);
-  private mean = 16; // time between pictures [ms]
+  private mean = 16; // mean frame time [ms]
   private last = 0;
 
   /** `size`: nominal height of the robot's centre of mass [m]. */
@@ -27,7 +27,7 @@ export class View {
     this.software = software;
     if (software) this.detail = 0.8;
     this.renderer = new THREE.WebGLRenderer({ canvas, context: gl });
-    this.renderer.debug.checkShaderErrors = false; // asking takes long
+    this.renderer.debug.checkShaderErrors = false; // checking is slow
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
@@ -55,11 +55,11 @@ export class View {
     this.controls.update();
   }
 
-  /** Takes the camera along with what it looks at, and keeps the light over it. */
+  /** Moves camera and light along with the target. */
   watch(target: THREE.Vector3): void {
     const step = target.clone().sub(this.centre);
     if (this.follow) {
-      if (step.length() < 10 * this.size) step.multiplyScalar(0.15); // calmly
+      if (step.length() < 10 * this.size) step.multiplyScalar(0.15); // smoothly
       this.centre.add(step);
       this.controls.target.add(step);
       this.camera.position.add(step);
@@ -84,7 +84,7 @@ export class View {
     for (const [object, was] of before) Object.assign(object, was);
   }
 
-  /** `calm`: it may take longer now and then. */
+  /** `calm`: the detail may be reduced, which takes time. */
   draw(now: number, calm: boolean): void {
     if (this.last > 0) this.mean += 0.1 * (Math.min(now - this.last, 500) - this.mean);
     this.last = now;
@@ -96,7 +96,7 @@ export class View {
     this.renderer.render(this.scene, this.camera);
   }
 
-  /** From the first command to the last pixel [ms]. */
+  /** Time to render one frame completely [ms]. */
   private timeOfPicture(): number {
     const began = performance.now();
     this.renderer.render(this.scene, this.camera);
@@ -113,7 +113,7 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
-  /** On a slow machine: first fewer pixels, then rougher shadows. False if there is nothing left to save. */
+  /** Reduces detail on a slow machine: fewer pixels first, then coarser shadows. False if nothing is left to reduce. */
   private lessDetail(): boolean {
     if (this.detail > 0.6) {
       this.detail = Math.max(0.6, 0.7 * this.detail);
@@ -142,7 +142,7 @@ export class View {
   }
 }
 
-/** Without a graphics card, what costs the most is left out: edges are not smoothed. */
+/** Without a graphics card antialiasing, the most expensive part, is left out. */
 function context(canvas: HTMLCanvasElement): { gl: WebGL2RenderingContext; software: boolean } {
   const fast = canvas.getContext('webgl2', { antialias: true, failIfMajorPerformanceCaveat: true });
   const gl = fast ?? canvas.getContext('webgl2', { antialias: false });

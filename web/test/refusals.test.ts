@@ -25,7 +25,7 @@ test('names the part, the reason and the numbers', () => {
     'trunk: the trunk would tilt too far (22.9°, at most 17.2°)',
   );
   expect(text('joint_torque', { part: 'trunk', value: 1.2, limit: 0.9, where: 'left_knee' })).toBe(
-    'trunk: a motor would have to be too strong, left knee (120 %, at most 90 %)',
+    'trunk: a motor would need too much torque, left knee (120 %, at most 90 %)',
   );
   expect(text('no_progress', { value: 0.004, limit: 0.006, cause: 'sole_gap' })).toBe(
     'left foot: no foothold brings the robot nearer to the goal: ' +
@@ -38,7 +38,7 @@ test('names the part, the reason and the numbers', () => {
 
 test('a limit is the reason why a motion is only a part of the way', () => {
   expect(limitText(refusal('foot_region'))).toBe(
-    'as far as it goes: left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)',
+    'only part of the way: left foot: the foothold would lie outside its reach (0.12 m, at most 0.11 m)',
   );
 });
 

@@ -258,7 +258,7 @@ describe('the ways back', () => {
     await hold(
       key('a'), // outward, as far as it goes
       async () =>
-        (await limit.isVisible()) && /^as far as it goes: left foot: .*reach/.test(await limit.innerText()),
+        (await limit.isVisible()) && /^only part of the way: left foot: .*reach/.test(await limit.innerText()),
     );
     while (!(await page.locator('#stuck').isVisible())) {
       await page.waitForTimeout(400);
@@ -409,7 +409,7 @@ describe('stop', () => {
     await expect.poll(() => sent.at(-1)!.recall, patience).toBe('stop');
     await page.keyboard.down('d');
     await page.keyboard.up('Space');
-    await shown('#hint', /^Let go of all keys/);
+    await shown('#hint', /^Release all keys/);
     await staysAtRest();
     await page.keyboard.up('d');
     await walks();
