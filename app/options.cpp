@@ -34,7 +34,7 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
     throw InputError(
         fmt::format("--scenario {} with --on {}: must be --on sim, a scenario needs physics", *options.scenario, on));
   if (!options.scenario && options.times != 1.0)
-    throw InputError(fmt::format("--times {} without --scenario: has no effect", options.times));
+    throw InputError(fmt::format("--times {} needs --scenario", options.times));
   SimulatedRobot::Parameters parameters;
   if (options.scenario) {
     parameters.plant =

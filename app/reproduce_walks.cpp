@@ -20,12 +20,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kBefore = 1.0;     ///< initial rest [s]
-constexpr double kWalks = 55.0;     ///< time the stick is held [s]
-constexpr double kAfter = 4.0;      ///< time to come to rest [s]
-constexpr double kReplans = 0.7;    ///< interval between changes of the command [s]
-constexpr double kMostTilt = 10.0;  ///< limit on the trunk's tilt [deg]
-constexpr double kMostOff = 0.03;   ///< limit on the end position error [m]
+constexpr double kBefore = 1.0;          ///< initial rest [s]
+constexpr double kWalkTime = 55.0;       ///< time the stick is held [s]
+constexpr double kAfter = 4.0;           ///< time to come to rest [s]
+constexpr double kReplanInterval = 0.7;  ///< interval between changes of the command [s]
+constexpr double kMostTilt = 10.0;       ///< limit on the trunk's tilt [deg]
+constexpr double kMostEndError = 0.03;   ///< limit on the end position error [m]
 
 /// A command held for some time: forward, left, turn.
 struct Leg {
@@ -42,9 +42,9 @@ struct Walk {
 /// Random changes of direction: anywhere, or roughly ahead, and then back.
 std::vector<Leg> replanned(Dice& dice, bool on_steps) {
   std::vector<Leg> legs;
-  for (double t = 0.0; t < kWalks; t += kReplans) {
-    const double ahead = on_steps ? (t < 0.4 * kWalks ? 1.0 : -1.0) : dice.axis();
-    legs.push_back({kReplans, {ahead, 0.5 * dice.axis(), 0.3 * dice.axis()}});
+  for (double t = 0.0; t < kWalkTime; t += kReplanInterval) {
+    const double ahead = on_steps ? (t < 0.4 * kWalkTime ? 1.0 : -1.0) : dice.axis();
+    legs.push_back({kReplanInterval, {ahead, 0.5 * dice.axis(), 0.3 * dice.axis()}});
   }
   return legs;
 }
@@ -52,16 +52,16 @@ std::vector<Leg> replanned(Dice& dice, bool on_steps) {
 std::vector<Walk> walks() {
   Dice dice(1);
   return {
-      {"forward", "flat", {{kWalks, {1, 0, 0}}}},
-      {"backward", "flat", {{kWalks, {-1, 0, 0}}}},
-      {"left", "flat", {{kWalks, {0, 1, 0}}}},
-      {"right", "flat", {{kWalks, {0, -1, 0}}}},
-      {"turn left", "flat", {{kWalks, {0, 0, 1}}}},
-      {"turn right", "flat", {{kWalks, {0, 0, -1}}}},
-      {"curve", "flat", {{kWalks, {1, 0, 0.3}}}},
-      {"diagonal", "flat", {{kWalks, {0.7, -0.7, 0}}}},
-      {"there and back", "flat", {{0.5 * kWalks, {1, 0, 0}}, {0.5 * kWalks, {-1, 0, 0}}}},
-      {"down the steps", "room", {{8.0, {1, 0, 0}}, {kWalks, {0, 0, 1}}}},
+      {"forward", "flat", {{kWalkTime, {1, 0, 0}}}},
+      {"backward", "flat", {{kWalkTime, {-1, 0, 0}}}},
+      {"left", "flat", {{kWalkTime, {0, 1, 0}}}},
+      {"right", "flat", {{kWalkTime, {0, -1, 0}}}},
+      {"turn left", "flat", {{kWalkTime, {0, 0, 1}}}},
+      {"turn right", "flat", {{kWalkTime, {0, 0, -1}}}},
+      {"curve", "flat", {{kWalkTime, {1, 0, 0.3}}}},
+      {"diagonal", "flat", {{kWalkTime, {0.7, -0.7, 0}}}},
+      {"there and back", "flat", {{0.5 * kWalkTime, {1, 0, 0}}, {0.5 * kWalkTime, {-1, 0, 0}}}},
+      {"down the steps", "room", {{8.0, {1, 0, 0}}, {kWalkTime, {0, 0, 1}}}},
       {"down and up", "room", {{12.0, {1, 0, 0}}, {15.0, {-1, 0, 0}}}},
       {"replanned", "flat", replanned(dice, false)},
       {"replanned steps", "room", replanned(dice, true)},
@@ -71,14 +71,14 @@ std::vector<Walk> walks() {
 Script script_of(const Walk& walk) {
   std::vector<Script::Entry> entries{{0.0, Command{}}};
   double t = kBefore;
-  for (std::size_t i = 0; t < kBefore + kWalks - 1e-9; ++i) {
+  for (std::size_t i = 0; t < kBefore + kWalkTime - 1e-9; ++i) {
     const Leg& leg = walk.legs[i % walk.legs.size()];
     Command command;
     command.axes << leg.stick.x(), leg.stick.y(), 0.0, 0.0, 0.0, leg.stick.z();
     entries.push_back({t, command});
     t += leg.seconds;
   }
-  entries.push_back({kBefore + kWalks, Command{}});
+  entries.push_back({kBefore + kWalkTime, Command{}});
   return Script(std::move(entries), walk.name);
 }
 
@@ -112,7 +112,7 @@ Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
   };
   session.add(report);
   session.add(hooks);
-  while (session.t() < kBefore + kWalks + kAfter && !session.fallen() && !interrupted)
+  while (session.t() < kBefore + kWalkTime + kAfter && !session.fallen() && !interrupted)
     session.step(script);
   outcome.report = report.json(world.name(), "sim", 0, 0.0);
   return outcome;
@@ -147,7 +147,7 @@ int reproduce_walks(const std::filesystem::path& out) {
     const Json& segments = walked.report["segments"];
     const bool falls = walked.report["falls"] != 0;
     fell = fell || falls;
-    good = good && !falls && segments["slips"] == 0 && tilt <= kMostTilt && walked.off <= kMostOff;
+    good = good && !falls && segments["slips"] == 0 && tilt <= kMostTilt && walked.off <= kMostEndError;
     table.push_back({{"walk", walk.name},
                      {"world", walk.world},
                      {"falls", falls ? 1 : 0},

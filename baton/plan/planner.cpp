@@ -12,11 +12,11 @@
 namespace baton {
 namespace {
 
-constexpr int kCorrections = 2;     ///< iterations of the correction for the limbs' contribution to the ZMP
-constexpr double kSameRest = 1e-5;  ///< joint error of inverse kinematics allowed at a rest while retracing [rad]
-constexpr int kRestsTried = 8;      ///< planned rests tried on a retrace path that fails as a whole
-constexpr int kPartsVerified = 3;   ///< verified parts of a retrace path; each may cost as much as the whole
-constexpr int kVain = 2;            ///< surveys in a row after which a torque counts as independent of the duration
+constexpr int kCorrections = 2;          ///< iterations of the correction for the limbs' contribution to the ZMP
+constexpr double kRestTolerance = 1e-5;  ///< joint error of inverse kinematics allowed at a rest while retracing [rad]
+constexpr int kMostRests = 8;            ///< planned rests tried on a retrace path that fails as a whole
+constexpr int kMostParts = 3;            ///< verified parts of a retrace path; each may cost as much as the whole
+constexpr int kMostVain = 2;  ///< surveys in a row after which a torque counts as independent of the duration
 // Search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from a failed duration to the next
 constexpr double kSlower = 1.5;       ///< the same after a failure that does not depend on time
@@ -88,7 +88,7 @@ PlanResult Planner::by_paper(Task& task) {
     Candidate candidate{timing_by_shares(task.segment.com().phases, ticks, period)};
     failure = look(task, candidate);
     vain = failure && before && in_vain(before->first, before->second, T, failure->refusal) ? vain + 1 : 0;
-    if (vain == kVain) break;
+    if (vain == kMostVain) break;
     if (failure) before = {T, failure->refusal};
     if (!failure) {
       std::variant<PlannedMotion, Failure> finished = finish(task, candidate);
@@ -211,7 +211,8 @@ PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& ha
   VecX off(robot_->nv());
   difference(*robot_, off, 1.0, motion.end.q, there.q);
   const double most = off.cwiseAbs().maxCoeff();
-  if (most > kSameRest) return Refusal{Reason::unreachable, goal.guided, most, kSameRest, "rest on the way back"};
+  if (most > kRestTolerance)
+    return Refusal{Reason::unreachable, goal.guided, most, kRestTolerance, "rest on the way back"};
   // The residual of inverse kinematics is spread along the path.
   for (int k = 1; k <= motion.ticks(); ++k)
     integrate(*robot_, motion.samples[static_cast<std::size_t>(k)].q, off, smooth_step(k, motion.ticks()).x);
@@ -232,7 +233,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
     return sample.contact.left && sample.contact.right;
   };
   const std::vector<Halt> rests = halts(trail);
-  int tries = kRestsTried;
+  int tries = kMostRests;
   int verified = 0;
   double until = against.t;
   for (auto rest = rests.rbegin(); rest != rests.rend() && tries > 0; ++rest) {
@@ -251,7 +252,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
       PlanResult planned = halt(from, trail, *rest, anchor, limits);
       auto* end = std::get_if<PlannedMotion>(&planned);
       if (end == nullptr) continue;
-      if (verified++ == kPartsVerified) return std::nullopt;
+      if (verified++ == kMostParts) return std::nullopt;
       Motion part = joined(whole, leaves, *end->motion);
       differentiate(*robot_, part);
       std::variant<VerifiedMotion, Refusal> verdict = verifier_.verify(std::move(part), anchor, limits);

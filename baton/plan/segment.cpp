@@ -15,7 +15,7 @@ constexpr double kLevel = 2e-3;  ///< [m] height difference of footholds below w
 
 /// For a foot that hangs in the air and lands elsewhere: fractions of the descent at which it starts to sink, and at
 /// which it is above the foothold. There may be an edge in between.
-constexpr std::pair<double, double> kBeside{0.4, 0.7};
+constexpr std::pair<double, double> kBesideDescent{0.4, 0.7};
 
 constexpr double kGapReserve = 1e-3;   ///< [m]
 constexpr double kMostOutward = 0.02;  ///< [m]
@@ -176,7 +176,7 @@ Vec2 Segment::apex(double duration) const {
     const double share = to - from < -kLevel ? 0.4 : (to - from > kLevel ? 0.6 : 0.5);
     return {share * duration, std::max(from, to) + clearance};
   }
-  if (!from_.flight && beside()) return {kBeside.first * duration, std::max(from, to)};
+  if (!from_.flight && beside()) return {kBesideDescent.first * duration, std::max(from, to)};
   if (!from_.flight || from_.flight->to_apex <= 0.0) return {0.0, from};
   return {from_.flight->to_apex / from_.flight->remaining * duration, std::max(from_.flight->apex, to + clearance)};
 }
@@ -202,7 +202,7 @@ Pose Segment::swing(double t, double duration) const {
   if (stood && lands && rise > kLevel) begin = 0.3;
   if (stood && lands && rise < -kLevel) end = 0.7;
   if (stood && !lands) begin = 0.2;
-  if (!stood && lands && !from_.flight) end = beside() ? kBeside.second : 0.8;
+  if (!stood && lands && !from_.flight) end = beside() ? kBesideDescent.second : 0.8;
   if (from_.flight && lands && b.p.z() < from_.sole[other(side)].p.z() - kLevel) end = 0.6;
   const double s = smooth_step(t - begin * duration, (end - begin) * duration).x;
   const PoseRate& rate = rates_.sole[side];

@@ -8,11 +8,11 @@
 namespace baton {
 namespace {
 
-constexpr int kShrinkings = 3;         ///< scaled-down goals tried
-constexpr std::size_t kAxesTried = 3;  ///< single axes tried when nothing along the direction is feasible
-constexpr double kWorth = 0.05;        ///< least displacement of a shrunk motion, fraction of the part's reach
-constexpr double kSooner = 0.5;        ///< fraction of the remaining flight after which a foot may land, to stop
-constexpr double kFalls = 0.1;         ///< DCM excess from which a step aside is also tried [COM height]
+constexpr int kShrinkings = 3;            ///< scaled-down goals tried
+constexpr std::size_t kAxesTried = 3;     ///< single axes tried when nothing along the direction is feasible
+constexpr double kLeastProgress = 0.05;   ///< least displacement of a shrunk motion, fraction of the part's reach
+constexpr double kEarliestLanding = 0.5;  ///< fraction of the remaining flight after which a foot may land, to stop
+constexpr double kStepAside = 0.1;        ///< DCM excess from which a step aside is also tried [COM height]
 
 /// Turns a planner's result into an answer to a request.
 std::variant<std::monostate, PlannedMotion, Refusal> outcome_of(PlanResult planned) {
@@ -128,17 +128,18 @@ Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
 
 Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capture) {
   const GuideContext& context = request.start.context;
-  const bool falls = capture.dcm_excess > kFalls * robot_->profile().stance.com_height;
-  const GuideResult ways = guide_.catches(context, capture.by, falls);
-  const auto* goals = std::get_if<std::vector<Goal>>(&ways);
+  const bool step_aside = capture.dcm_excess > kStepAside * robot_->profile().stance.com_height;
+  const GuideResult guided = guide_.catches(context, capture.by, step_aside);
+  const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
   // The excess grows until touchdown; there the foothold adjustment is subtracted.
-  const auto lacks = [&](double t, double gained) {
-    return capture.dcm_excess * std::exp(robot_->omega() * t) - gained;
+  const auto excess_at = [&](double t, double adjustment) {
+    return capture.dcm_excess * std::exp(robot_->omega() * t) - adjustment;
   };
-  const Vec2 way = capture.by.normalized();
+  const Vec2 direction = capture.by.normalized();
   const Profile::Tick& tick = robot_->profile().tick;
-  double least = capture.lands_in ? lacks(*capture.lands_in, capture.gain) : std::numeric_limits<double>::infinity();
+  double best_excess =
+      capture.lands_in ? excess_at(*capture.lands_in, capture.gain) : std::numeric_limits<double>::infinity();
   Outcome best;
   for (const Goal& goal : *goals) {
     Outcome outcome = quickest(push_recovery_, {goal}, request);
@@ -146,12 +147,12 @@ Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capt
     if (planned == nullptr) continue;
     const Side side = *goal.swing;
     const Pose& before = context.step ? context.step->to : context.from.sole[other(side)];
-    const double gained = (goal.sole[side].p - before.p).head<2>().dot(way);
-    const double lack = lacks((tick.lookahead + planned->motion->last_phase()) * tick.period, gained);
-    if (lack >= least) continue;
-    least = lack;
+    const double adjustment = (goal.sole[side].p - before.p).head<2>().dot(direction);
+    const double excess = excess_at((tick.lookahead + planned->motion->last_phase()) * tick.period, adjustment);
+    if (excess >= best_excess) continue;
+    best_excess = excess;
     best = std::move(outcome);
-    if (lack < 0.0) break;
+    if (excess < 0.0) break;
   }
   return best;
 }
@@ -160,9 +161,9 @@ Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goa
   std::vector<Posture> starts{request.start.posture};
   if (request.start.posture.flight) {  // the foot may also land earlier than planned
     Flight& flight = *starts.emplace_back(request.start.posture).flight;
-    const double left = std::max(kLeastFlight, kSooner * flight.remaining);
-    flight.to_apex *= left / flight.remaining;
-    flight.remaining = left;
+    const double remaining = std::max(kLeastFlight, kEarliestLanding * flight.remaining);
+    flight.to_apex *= remaining / flight.remaining;
+    flight.remaining = remaining;
   }
   std::optional<PlannedMotion> best;
   std::optional<Refusal> against;
@@ -245,7 +246,8 @@ bool Strategy::worth(const Posture& from, const Motion& motion) const {
   const double size = is_foot(part) ? reach.foot : is_hand(part) ? reach.hand : reach.trunk;
   const Pose a = pose(from);
   const Pose b = pose(motion.end);
-  return (b.p - a.p).norm() >= kWorth * size || rotation_error(b.R, a.R).norm() >= kWorth * reach.rotation;
+  return (b.p - a.p).norm() >= kLeastProgress * size ||
+         rotation_error(b.R, a.R).norm() >= kLeastProgress * reach.rotation;
 }
 
 PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {

@@ -11,9 +11,9 @@
 namespace baton {
 namespace {
 
-constexpr double kComesToRest = 20.0;  ///< [s] a robot must come to rest within this after release
-constexpr double kRests = 0.25;        ///< [s] without a motion: no planning under way either
-constexpr long kRetraced = 5;          ///< most motions retraced at the end
+constexpr double kRestTimeout = 20.0;  ///< [s] a robot must come to rest within this after release
+constexpr double kRestTime = 0.25;     ///< [s] without a motion: no planning under way either
+constexpr long kMostRetraced = 5;      ///< most motions retraced at the end
 
 /// In physics soles sink and the planning frame follows their estimated positions, so penetration is judged within the
 /// ground's flatness. In a scenario only falls count, as the ground is not as planned.
@@ -102,12 +102,12 @@ class Run {
   /// Releases the stick; false if the robot does not come to rest.
   bool come_to_rest(const std::atomic<bool>& stop) {
     const double period = session_.model().profile().tick.period;
-    const long latest = ticks_ + std::lround(kComesToRest / period);
-    for (long rests = 0; rests < std::lround(kRests / period) && !stop && !session_.fallen();) {
+    const long latest = ticks_ + std::lround(kRestTimeout / period);
+    for (long rests = 0; rests < std::lround(kRestTime / period) && !stop && !session_.fallen();) {
       step(Command{});
       rests = session_.resting() ? rests + 1 : 0;
       if (ticks_ > latest) {
-        failures_.add("unrest", session_.t(), kComesToRest, kComesToRest, "");
+        failures_.add("unrest", session_.t(), kRestTimeout, kRestTimeout, "");
         return false;
       }
     }
@@ -121,8 +121,8 @@ class Run {
     press.recall = Recall::retrace;
     const Navigator& navigator = session_.navigator();
     const Tally::Retrace& sum = tally_.retrace;
-    while (sum.tried < kRetraced && sum.refused == 0 && (way_back_.under_way() || navigator.history() > 0) && !stop &&
-           !session_.fallen())
+    while (sum.tried < kMostRetraced && sum.refused == 0 && (way_back_.under_way() || navigator.history() > 0) &&
+           !stop && !session_.fallen())
       step(press);
     return come_to_rest(stop);
   }

@@ -6,14 +6,14 @@
 namespace baton {
 namespace {
 
-constexpr double kCrouch = 0.245 / 0.26;  ///< COM height on the steps, fraction of nominal
-constexpr double kBeforeEdge = 0.0045;    ///< toe to edge before a step down [m]
-constexpr double kPastEdge = 0.0050;      ///< edge to heel after it [m]
-constexpr double kFootSpot = 0.0035;      ///< position tolerance of a foot [m]
-constexpr double kLift = 0.4;             ///< throttle; little is needed on the way down
-constexpr double kHeightSpot = 0.003;     ///< [m]
-constexpr double kFar = 0.5;              ///< deflection below which steering ends
-constexpr double kYawSpot = 0.03;         ///< [rad]
+constexpr double kCrouch = 0.245 / 0.26;    ///< COM height on the steps, fraction of nominal
+constexpr double kBeforeEdge = 0.0045;      ///< toe to edge before a step down [m]
+constexpr double kPastEdge = 0.0050;        ///< edge to heel after it [m]
+constexpr double kFootTolerance = 0.0035;   ///< position tolerance of a foot [m]
+constexpr double kLift = 0.4;               ///< throttle; little is needed on the way down
+constexpr double kHeightTolerance = 0.003;  ///< [m]
+constexpr double kLeastSteering = 0.5;      ///< deflection below which steering ends
+constexpr double kYawTolerance = 0.03;      ///< [rad]
 /// Distance of the shoulder from the hand's target, in reaches; the next is tried if the hand does not arrive in time.
 constexpr std::array<double, 3> kFromTarget{0.95, 0.85, 1.0};
 constexpr double kReachPatience = 6.0;  ///< [s]
@@ -82,7 +82,7 @@ Command RoomOperator::steer(const View& view) {
     stage_ = Stage::cross;
     command = next(sight);
   }
-  if (command && command->axes.cwiseAbs().maxCoeff() > kFar && deflection_.refusals < 3) {
+  if (command && command->axes.cwiseAbs().maxCoeff() > kLeastSteering && deflection_.refusals < 3) {
     stick_ = *command;
     return stick_;
   }
@@ -186,16 +186,16 @@ double RoomOperator::turn_back(double yaw) const {
 std::optional<Command> RoomOperator::face(const Sight& sight) const {
   // The trunk turns first; the feet follow when necessary.
   const double trunk = sight.trunk_yaw;
-  if ((std::abs(trunk) < kYawSpot && std::abs(sight.heading) < 2.0 * kYawSpot) || deflection_.refusals > 6)
+  if ((std::abs(trunk) < kYawTolerance && std::abs(sight.heading) < 2.0 * kYawTolerance) || deflection_.refusals > 6)
     return std::nullopt;
   Command command;
-  command.axes[5] = turn_back(std::abs(trunk) < kYawSpot ? sight.heading : trunk);
+  command.axes[5] = turn_back(std::abs(trunk) < kYawTolerance ? sight.heading : trunk);
   return command;
 }
 
 std::optional<Command> RoomOperator::change_height(const Sight& sight, double height) const {
   const double error = height - (sight.com.z() - 0.5 * (sight.sole.left.p.z() + sight.sole.right.p.z()));
-  if (std::abs(error) < kHeightSpot || deflection_.refusals > 3) return std::nullopt;
+  if (std::abs(error) < kHeightTolerance || deflection_.refusals > 3) return std::nullopt;
   return deflect(Part::trunk, sight, {0, 0, error}, robot_->profile().reach.trunk);
 }
 
@@ -205,7 +205,7 @@ std::optional<Command> RoomOperator::move_foot(const Sight& sight, Side side, co
   const Pose& foot_now = sight.sole[side];
   Vec2 shift = to - foot_now.p.head<2>();
   const double yaw = yaw_of(foot_now.R);
-  const bool there = shift.norm() < tolerance && std::abs(yaw) < kYawSpot;
+  const bool there = shift.norm() < tolerance && std::abs(yaw) < kYawTolerance;
   if (there && !feet_.lifted[side]) return std::nullopt;
   // After refusals, move away from the other foot.
   if (deflection_.refusals > 1 && !through_the_air)
@@ -214,7 +214,7 @@ std::optional<Command> RoomOperator::move_foot(const Sight& sight, Side side, co
   command.axes.z() = 0.0;
   // After a refusal, try less.
   command.axes.head<2>() *= std::pow(0.7, deflection_.refusals % 6);
-  if (std::abs(yaw) > kYawSpot) command.axes[5] = turn_back(yaw);
+  if (std::abs(yaw) > kYawTolerance) command.axes[5] = turn_back(yaw);
   feet_.lifted[side] = through_the_air && !(feet_.lifted[side] && there);
   if (feet_.lifted[side]) command.lift[side] = kLift;
   if (there) command.axes.setZero();
@@ -226,7 +226,7 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
   const Vec2 middle = sight.feet();
   const auto lane = [&](Side side) { return middle.y() + sign_of(side) * half_width; };
   for (const Side side : kSides) {
-    if (feet_.lifted[side]) return move_foot(sight, side, feet_.landing[side], true, kFootSpot);
+    if (feet_.lifted[side]) return move_foot(sight, side, feet_.landing[side], true, kFootTolerance);
   }
   // The next edge for the left foot, which goes first, or for the right foot after it.
   for (std::size_t i = 0; i < room_.edges.size(); ++i) {
@@ -246,9 +246,9 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
         const double x =
             side == Side::left ? std::min(before, sight.sole.right.p.x() + robot_->profile().reach.foot) : before;
         if (side == Side::left && sight.sole.left.p.x() > before - 0.015 &&
-            std::abs(yaw_of(sight.sole.left.R)) < kYawSpot)
+            std::abs(yaw_of(sight.sole.left.R)) < kYawTolerance)
           continue;
-        if (auto command = move_foot(sight, side, {x, y}, false, kFootSpot)) return command;
+        if (auto command = move_foot(sight, side, {x, y}, false, kFootTolerance)) return command;
       }
     }
     const Side side = left_past ? Side::right : Side::left;
@@ -260,7 +260,7 @@ std::optional<Command> RoomOperator::go_down(const Sight& sight) {
     }
     const double y = sight.sole[other(side)].p.y() + sign_of(side) * 2.0 * half_width;
     feet_.landing[side] = {x, y};
-    if (auto command = move_foot(sight, side, feet_.landing[side], true, kFootSpot)) return command;
+    if (auto command = move_foot(sight, side, feet_.landing[side], true, kFootTolerance)) return command;
   }
   return std::nullopt;
 }
@@ -270,7 +270,7 @@ std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
   if (std::min(sight.sole.left.p.x(), sight.sole.right.p.x()) > past) return std::nullopt;
   Command command;
   command.axes[0] = 1.0;
-  if (std::abs(sight.heading) > kYawSpot) command.axes[5] = turn_back(sight.heading);
+  if (std::abs(sight.heading) > kYawTolerance) command.axes[5] = turn_back(sight.heading);
   return command;
 }
 
@@ -285,11 +285,11 @@ Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
 std::optional<Command> RoomOperator::cross(const Sight& sight) const {
   const Vec2 shift = place_to_reach_from(sight) - sight.com.head<2>();
   const double yaw = sight.heading;
-  if ((shift.norm() < 0.02 && std::abs(yaw) < 2.0 * kYawSpot) || deflection_.refusals > 8) return std::nullopt;
+  if ((shift.norm() < 0.02 && std::abs(yaw) < 2.0 * kYawTolerance) || deflection_.refusals > 8) return std::nullopt;
   Command command = deflect(Part::trunk, sight, Vec3(shift.x(), shift.y(), 0), robot_->profile().reach.trunk);
   command.axes.z() = 0.0;
   command.axes.head<2>() *= std::pow(0.7, deflection_.refusals);
-  if (std::abs(yaw) > kYawSpot) command.axes[5] = turn_back(yaw);
+  if (std::abs(yaw) > kYawTolerance) command.axes[5] = turn_back(yaw);
   return command;
 }
 

@@ -17,14 +17,14 @@ namespace {
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kHeight = 0.26;    ///< mighty's COM height, to scale lengths [m]
 constexpr double kMomentum = 8.83;  ///< mighty's m √(g h), to scale impulses [N·s]
-constexpr double kSettled = 2.0;    ///< start of single pushes [s]
+constexpr double kFirstPush = 2.0;  ///< start of single pushes [s]
 constexpr int kDirections = 8;
 constexpr int kInstants = 20;
-constexpr double kApart = 0.05;   ///< interval between instants of single pushes [s]
-constexpr double kSwings = 0.8;   ///< period of the swing motion of a foot in the air [s]
-constexpr double kShifts = 2.0;   ///< interval between trunk shifts [s]
-constexpr double kShifted = 0.3;  ///< time the stick is held [s]
-constexpr double kShift = 0.3;    ///< deflection
+constexpr double kPushInterval = 0.05;    ///< interval between instants of single pushes [s]
+constexpr double kSwingPeriod = 0.8;      ///< period of the swing motion of a foot in the air [s]
+constexpr double kShiftInterval = 2.0;    ///< interval between trunk shifts [s]
+constexpr double kShiftHold = 0.3;        ///< time the stick is held [s]
+constexpr double kShiftDeflection = 0.3;  ///< deflection
 
 /// A stick whose position is a function of time.
 class Program : public Device {
@@ -47,7 +47,7 @@ Vec3 horizontal(double angle, double length) {
 /// Repeated pushes in all directions.
 std::vector<Push> pushes(Dice& dice, double impulse, double seconds, int from_ms, int to_ms) {
   std::vector<Push> list;
-  for (double t = kSettled; t < seconds; t += 1e-3 * dice.between(from_ms, to_ms))
+  for (double t = kFirstPush; t < seconds; t += 1e-3 * dice.between(from_ms, to_ms))
     list.push_back({t, 0.05, horizontal(M_PI * dice.axis(), impulse)});
   return list;
 }
@@ -107,7 +107,7 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   plant.tile_side *= height / kHeight;
   const auto single_push = [&](double size, double angle) {
     const double instant = static_cast<double>(seed / kDirections % kInstants);
-    plant.pushes = {{kSettled + kApart * instant, 0.05, horizontal(angle, size * impulse)}};
+    plant.pushes = {{kFirstPush + kPushInterval * instant, 0.05, horizontal(angle, size * impulse)}};
   };
   if (is == "friction") plant.friction = 0.3;
   if (is == "floors") plant.friction = 0.7 + 0.3 * dice.axis();
@@ -169,17 +169,17 @@ std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& rob
         Command swings;
         swings.guide = foot(side);
         swings.lift[side] = 0.5;
-        if (t > 0.5 * kSettled) swings.axes[0] = std::fmod(t, kSwings) < 0.5 * kSwings ? 1.0 : -1.0;
+        if (t > 0.5 * kFirstPush) swings.axes[0] = std::fmod(t, kSwingPeriod) < 0.5 * kSwingPeriod ? 1.0 : -1.0;
         return swings;
       });
     case Driving::shift:
       return std::make_unique<Program>([](double t) {
         // To each side and back, with rests in between; one axis at a time.
         constexpr std::array<std::pair<int, double>, 4> ways{{{1, 1.0}, {1, -1.0}, {0, 1.0}, {0, -1.0}}};
-        const auto [axis, way] = ways[static_cast<std::size_t>(t / kShifts) % ways.size()];
+        const auto [axis, way] = ways[static_cast<std::size_t>(t / kShiftInterval) % ways.size()];
         Command shift;
-        const double since = std::fmod(t, kShifts);
-        if (since > kShifts - kShifted) shift.axes[axis] = kShift * way;
+        const double since = std::fmod(t, kShiftInterval);
+        if (since > kShiftInterval - kShiftHold) shift.axes[axis] = kShiftDeflection * way;
         return shift;
       });
   }

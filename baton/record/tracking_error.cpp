@@ -9,8 +9,8 @@ namespace baton {
 namespace {
 
 // Fractions of the COM height.
-constexpr double kPiece = 0.1;   ///< path length is counted in pieces this long, to exclude sway
-constexpr double kFarOff = 2.0;  ///< distance travelled before the error ratio counts
+constexpr double kPathPiece = 0.1;      ///< path length is counted in pieces this long, to exclude sway
+constexpr double kLeastDistance = 2.0;  ///< distance travelled before the error ratio counts
 
 }  // namespace
 
@@ -33,13 +33,13 @@ void TrackingError::add(const TickRecord& record, const Kinematics& truth) {
   const double height = robot_->profile().stance.com_height;
   const Vec3 trunk = record.truth->q.head<3>();
   if (!way_from_) way_from_ = trunk;
-  if ((trunk - *way_from_).head<2>().norm() > kPiece * height) {
+  if ((trunk - *way_from_).head<2>().norm() > kPathPiece * height) {
     way_ += (trunk - *way_from_).head<2>().norm();
     way_from_ = trunk;
   }
   const double error = (nav.anchor() * Vec3(nav.state().q.head<3>()) - trunk).norm();
   estimate_ = std::max(estimate_, error);
-  if (way_ > kFarOff * height) share_ = std::max(share_, error / way_);
+  if (way_ > kLeastDistance * height) share_ = std::max(share_, error / way_);
 }
 
 nlohmann::json TrackingError::json() const {
