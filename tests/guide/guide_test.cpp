@@ -319,7 +319,7 @@ TEST_P(GuideTest, AGuidedTrunkMakesUpForSolesThatSlid) {
     command.guide = Part::left_foot;
     const GuideResult stepping = guide.goals(astray, command);
     const auto* steps = std::get_if<std::vector<Goal>>(&stepping);
-    ASSERT_TRUE(steps == nullptr || steps->front().back.p.isZero(0.0));
+    ASSERT_TRUE(steps == nullptr || steps->front().drift_correction.p.isZero(0.0));
   }
   EXPECT_GT(led, 500);
   EXPECT_GT(turned, 100);
