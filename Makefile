@@ -1,6 +1,7 @@
 # The everyday commands; `make help` lists them. The C++ build itself is CMakeLists.txt.
 BUILD := build/release
 JOBS ?= $(shell nproc)
+FUZZ_SECONDS ?= 60
 ARGS ?=
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
@@ -19,7 +20,7 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-cpp test-page test-python sanitize ci-clang bench format lint setup setup-test setup-dev clean anew
+.PHONY: help run build page test test-cpp test-page test-python sanitize fuzz ci-clang bench format lint setup setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -56,6 +57,21 @@ sanitize: setup-test ## build with the sanitizers and run the C++ tests
 	cmake --preset sanitize
 	cmake --build --preset sanitize
 	ctest --preset sanitize -j$(JOBS)
+
+# What is found new goes to build/fuzz/corpus, for the next run; an input that is a finding to build/fuzz/found-*.
+fuzz: setup-dev ## fuzz the readers of files and messages (FUZZ_SECONDS=60 each; needs clang)
+	$(call forget,build/fuzz)
+	cmake --preset fuzz
+	cmake --build --preset fuzz
+	@for target in script profile page recording motion; do \
+	  mkdir -p build/fuzz/corpus/$$target; \
+	  echo "fuzzing $$target for $(FUZZ_SECONDS) s"; \
+	  build/fuzz/fuzz_$$target -seed=1 -timeout=10 -rss_limit_mb=2048 -max_total_time=$(FUZZ_SECONDS) \
+	    -print_final_stats=1 -artifact_prefix=build/fuzz/found-$$target- \
+	    build/fuzz/corpus/$$target tests/fuzz/corpus/$$target >build/fuzz/$$target.log 2>&1 || \
+	    { tail -n 60 build/fuzz/$$target.log; exit 1; }; \
+	  grep executed_units build/fuzz/$$target.log; \
+	done
 
 ci-clang: setup-dev ## build with clang, warnings as errors
 	$(call forget,build/clang)
