@@ -20,10 +20,10 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-cpp test-page test-python sanitize fuzz ci-clang bench format lint setup setup-test setup-dev clean anew
+.PHONY: help run build page test test-fast test-cpp test-page test-python sanitize sanitize-fast fuzz ci-clang bench format lint setup setup-test setup-dev clean anew
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 run: $(BUILD)/build.ninja $(PAGE) ## set up, build, and drive the robot (ARGS="..." are handed on)
 	@cmake --build $(BUILD) --target baton_cli
@@ -35,6 +35,10 @@ build: $(BUILD)/build.ninja $(PAGE) ## build everything: library, program, tests
 page: $(PAGE) ## build the page only
 
 test: setup-test build test-cpp test-page test-python ## build and run every test
+
+test-fast: setup-test $(BUILD)/build.ninja ## run the C++ tests that take less than a minute together
+	@cmake --build $(BUILD) --target baton_tests
+	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error -LE slow
 
 test-cpp:
 	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error
@@ -57,6 +61,12 @@ sanitize: setup-test ## build with the sanitizers and run the C++ tests
 	cmake --preset sanitize
 	cmake --build --preset sanitize
 	ctest --preset sanitize -j$(JOBS)
+
+sanitize-fast: setup-test ## the same for the tests of test-fast
+	$(call forget,build/sanitize)
+	cmake --preset sanitize
+	cmake --build --preset sanitize --target baton_tests
+	ctest --preset sanitize -j$(JOBS) -LE slow
 
 # What is found new goes to build/fuzz/corpus, for the next run; an input that is a finding to build/fuzz/found-*.
 fuzz: setup-dev ## fuzz the readers of files and messages (FUZZ_SECONDS=60 each; needs clang)

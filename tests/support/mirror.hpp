@@ -92,8 +92,8 @@ class Mirror {
   [[nodiscard]] static BySide<T> of(const BySide<T>& value) {
     return {of(value.right), of(value.left)};
   }
-  [[nodiscard]] static Flight of(const Flight& f) { return {of(f.side), of(f.from), f.left, f.rise, f.apex}; }
-  [[nodiscard]] static LiftOff of(const LiftOff& l) { return {of(l.side), l.left}; }
+  [[nodiscard]] static Flight of(const Flight& f) { return {of(f.side), of(f.from), f.remaining, f.to_apex, f.apex}; }
+  [[nodiscard]] static LiftOff of(const LiftOff& l) { return {of(l.side), l.remaining}; }
   [[nodiscard]] static GuideContext::Step of(const GuideContext::Step& s) { return {of(s.side), of(s.to)}; }
   [[nodiscard]] static SwingArc of(const SwingArc& s) { return {of(s.lift_off), s.apex_t, s.apex}; }
 
