@@ -125,7 +125,9 @@ Request Requests::replacing(int at) const {
   Request request{
       now_.tick + profile_.tick.lookahead,
       now_.command,
-      {passing(now_.robot, *sample), context_at_rest(), course_.is<Halting>() ? nullptr : now_.history.newest(), at}};
+      {passing(now_.robot, *sample), context_at_rest(), course_.is<Halting>() ? nullptr : now_.history.newest(), at},
+      {},
+      {Follow{}}};
   if (at > 0) request.start.posture.contact_before = std::prev(sample)->contact;
   return request;
 }
