@@ -25,8 +25,9 @@ class Verifier {
   /// violation.
   ///
   /// Fills in the samples' `force`, `zmp`, `zmp_height` and `zmp_region`.
-  /// @param motion samples with q, dq, ddq, COM, soles and contacts
+  /// @param motion samples with q, dq, ddq, COM, soles and contacts; `end` and `rest` in the posture of the last one
   /// @param anchor planning frame in the world
+  /// @throws std::invalid_argument the motion would rest in another posture than that of its last sample
   [[nodiscard]] std::variant<VerifiedMotion, Refusal> verify(Motion motion, const Pose& anchor, const Limits& limits);
 
  private:

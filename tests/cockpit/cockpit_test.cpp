@@ -355,7 +355,7 @@ TEST_F(CockpitTest, ASilentDriverCountsAsCentredAndIsTold) {
   EXPECT_TRUE(device.read(0.0).neutral()) << "it was not at rest yet";
   // Another device may be obeyed meanwhile; the driver learns that its own is not.
   frame_.device = {.name = "stick", .connected = true, .armed = true, .hint = ""};
-  EXPECT_FALSE(state_of(page, says("Let go")).is_null());
+  EXPECT_FALSE(state_of(page, says("Release")).is_null());
   EXPECT_FALSE(state_of(watcher, [](const json& s) { return s["device"]["name"] == "stick"; }).is_null());
   page.steer({});
   page.steer(reach);

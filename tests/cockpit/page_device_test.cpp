@@ -69,7 +69,7 @@ TEST_F(PageDeviceTest, AfterASilenceItHasToBeAtRestOnceMore) {
   give(reach());
   EXPECT_TRUE(read().neutral()) << "the key is still held";
   EXPECT_TRUE(device_.status().connected);
-  EXPECT_THAT(device_.status().hint, HasSubstr("Let go"));
+  EXPECT_THAT(device_.status().hint, HasSubstr("Release"));
   give({.guide = Part::right_hand});
   give(reach());
   EXPECT_EQ(read(), reach());
@@ -134,7 +134,7 @@ TEST_F(PageDeviceTest, WhatIsHeldBesideAStopCountsOnceItWasLetGoOf) {
     give(stop);
     give(held);
     EXPECT_TRUE(read().neutral()) << "it was held beside the stop";
-    EXPECT_THAT(device_.status().hint, HasSubstr("Let go"));
+    EXPECT_THAT(device_.status().hint, HasSubstr("Release"));
   }
   give({.guide = Part::right_hand});
   give(reach());
@@ -170,7 +170,7 @@ TEST_F(PageDeviceTest, WhatIsNotANumberIsCentred) {
 
 TEST_F(PageDeviceTest, ADriverThatNeverSaysAnythingIsSilent) {
   ASSERT_TRUE(device_.take(kPage));
-  EXPECT_THAT(device_.status().hint, HasSubstr("Let go"));
+  EXPECT_THAT(device_.status().hint, HasSubstr("Release"));
   now_ += 0.3;
   EXPECT_THAT(device_.status().hint, HasSubstr("No signal"));
 }

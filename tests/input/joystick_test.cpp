@@ -96,7 +96,7 @@ TEST_F(JoystickTest, AStickIsNeutralBeforeItIsArmed) {
     EXPECT_EQ(read(), Command{});
   EXPECT_TRUE(joystick_->status().connected);
   EXPECT_FALSE(joystick_->status().armed);
-  EXPECT_THAT(joystick_->status().hint, HasSubstr("Let go"));
+  EXPECT_THAT(joystick_->status().hint, HasSubstr("Release"));
   stick.axis(1, 0.0);
   EXPECT_EQ(read(), Command{});
   EXPECT_TRUE(joystick_->status().armed);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iomanip>
 #include <random>
+#include <stdexcept>
 #include <type_traits>
 
 #include "tests/verify/sample_motions.hpp"
@@ -365,6 +366,7 @@ TEST_P(VerifierTest, RefusesAZmpOutsideTheSupport) {
       sample.q.head<2>() += size_ * off;
       sample.com.head<2>() += size_ * off;
     }
+    motion.end.q = motion.rest.q = motion.samples.back().q;
     const Refusal refusal = refusal_of(motion, verifier);
     EXPECT_EQ(refusal.reason, Reason::zmp) << to_string(refusal.reason);
     EXPECT_EQ(refusal.limit, margin_.zmp_verify);
@@ -373,6 +375,19 @@ TEST_P(VerifierTest, RefusesAZmpOutsideTheSupport) {
     const auto support = support_polygon(robot_, first.sole, first.contact, first.com, 0.0);
     EXPECT_NEAR(refusal.value, support.margin(step().samples.front().zmp + size_ * off), 1e-9);
   }
+}
+
+TEST_P(VerifierTest, AMotionRestsInThePostureOfItsLastSample) {
+  Verifier verifier(robot_, world_);
+  Motion other = step();
+  other.end.q[7] += 1e-9;
+  EXPECT_THROW((void)verifier.verify(other, {}, Limits::normal(robot_.profile())), std::invalid_argument);
+  Motion elsewhere = step();
+  elsewhere.rest.q[7] += 1e-9;
+  EXPECT_THROW((void)verifier.verify(elsewhere, {}, Limits::normal(robot_.profile())), std::invalid_argument);
+  Motion nowhere = step();
+  nowhere.end.q.resize(0);
+  EXPECT_THROW((void)verifier.verify(nowhere, {}, Limits::normal(robot_.profile())), std::invalid_argument);
 }
 
 TEST_P(VerifierTest, RefusesFrictionThatTheGroundHasNot) {
