@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "baton/ik/stand.hpp"
+#include "baton/navigate/drift.hpp"
 
 namespace baton {
 namespace {
 
-constexpr double kInPlace = 1e-3;  ///< displacement of the soles that is not followed at rest [COM height, rad]
-constexpr double kSettles = 3.0;   ///< rate at which larger ones are [1/s]
+constexpr double kSettles = 3.0;  ///< rate at which the planning frame follows the soles [1/s]
 
 Course::Rest rest_at(const RobotModel& robot, const Posture& posture) {
   return {std::make_shared<const Posture>(posture), std::make_shared<const MotionSample>(resting(robot, posture))};

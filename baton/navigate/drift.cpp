@@ -7,7 +7,6 @@ namespace baton {
 namespace {
 
 constexpr double kShare = 0.05;     ///< of the trunk's reach that a motion corrects
-constexpr double kInPlace = 1e-3;   ///< drift that is not corrected [COM height, rad]
 constexpr double kUncertain = 0.7;  ///< share of the room beside an edge that uncertainty of the place may take
 
 }  // namespace

@@ -11,15 +11,14 @@
 namespace baton {
 namespace {
 
-constexpr double kSameHold = 1e-3;      ///< displacement that makes another place of it, after a refusal [m]
+constexpr double kSameHold = 1e-3;      ///< displacement up to which a refusal holds [m]
 constexpr double kReplacing = 0.1;      ///< time between two replacements of a motion on its way [s]
-constexpr double kSlip = 0.2;           ///< displacement of the soles at which a way back is ended [reach of a foot]
 constexpr double kNearEdges = 2.0;      ///< distance of edges that soles may meet [largest distance of the feet]
 constexpr double kSlipByEdges = 0.5;    ///< displacement there at which a way back is ended [margin to edges]
 constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capture step leaves
 constexpr double kLacks = 0.02;         ///< ZMP that the ground does not give, and that does not count [COM height]
 constexpr double kLeastCapture = 0.15;  ///< least length of a capture step: the push may go on [COM height]
-constexpr double kFarther = 1.5;        ///< a capture step under way is replaced by one so many times as long
+constexpr double kFarther = 1.5;        ///< ratio of lengths from which a longer capture step replaces one under way
 
 bool both_stand(const BySide<bool>& contact) {
   return contact.left && contact.right;
@@ -35,17 +34,17 @@ class Requests {
   [[nodiscard]] Request from_rest(const Command& command) const;
 
  private:
-  /// To replace the motion under way at its sample `at`: what all such requests have in common.
+  /// What all requests have in common that replace the motion under way at its sample `at`.
   [[nodiscard]] Request replacing(int at) const;
-  /// By what the stick asks for.
+  /// Replaces it by what the stick asks for.
   [[nodiscard]] Request on_the_way(int at) const;
-  /// By anything that ends it: a foot in the air can only land.
+  /// Replaces it by a motion to rest: a foot in the air can only land.
   [[nodiscard]] Request ending(int at) const;
-  /// By rest, if it does not end in one that is as near.
+  /// Stops the motion under way, unless it already does that.
   [[nodiscard]] std::optional<Request> stopping(int at) const;
-  /// By rest on both feet, before the foot leaves the ground.
+  /// Keeps both feet down, before the swing foot leaves the ground.
   [[nodiscard]] std::optional<Request> staying(int at) const;
-  /// By a capture step, if no shift of the ZMP can hold the DCM.
+  /// A capture step, if no shift of the ZMP can hold the DCM.
   [[nodiscard]] std::optional<Request> catching() const;
 
   [[nodiscard]] bool replaceable(int at) const;

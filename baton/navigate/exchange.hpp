@@ -11,21 +11,21 @@ namespace baton {
 struct Exchange {
   long asked_at = 0;                       ///< tick of the newest request; 0: ask again at once
   long take_over = 0;                      ///< tick for which it was asked
-  bool awaited = false;                    ///< its answer is
-  bool for_stop = false;                   ///< it asked to come to rest
-  bool countered = false;                  ///< a stop was pressed since it was asked
-  std::shared_ptr<const Answer> answer{};  ///< its answer, once it is there
+  bool awaited = false;                    ///< the answer is awaited
+  bool for_stop = false;                   ///< the request is to come to rest
+  bool countered = false;                  ///< a stop was pressed since the request
+  std::shared_ptr<const Answer> answer{};  ///< the answer, once it is there
   /// The command that was answered last since the motion under way began.
   Command answered;
   long dropped = 0;  ///< requests whose answer was not there at the take-over
-  int late = 0;      ///< of them, in a row
+  int late = 0;      ///< requests in a row without an answer in time
 };
 
 /// The newest refusal.
 struct LastRefusal {
   std::shared_ptr<const Refusal> refusal{};  ///< while the command still stands; else null
-  Command command;                           ///< that it answers
-  Pose anchor;                               ///< planning frame then
+  Command command;                           ///< the command refused
+  Pose anchor;                               ///< planning frame at the refusal
   bool at_rest = false;
   long retry_at = 0;  ///< earliest tick of the next request from rest
 };

@@ -12,6 +12,11 @@ namespace {
 constexpr double kPatience = 0.05;  ///< time from a refusal at rest to the next request [s]
 constexpr int kMostLate = 5;        ///< doublings of the lookahead at rest, when answers come too late
 
+/// Whether an answer is taken over in spite of a push or a centred stick.
+bool urgent(const Answer& answer) {
+  return answer.stops() || answer.capture() != nullptr;
+}
+
 }  // namespace
 
 Navigator::Navigator(const RobotModel& robot, const World& world, const Posture& start, Gait gait, StateSource source)
@@ -38,11 +43,9 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   const bool soft = watch_.soft();
   watch_.judge(course_.sample(), course_.anchor(), command_.neutral());
   if (watch_.soft() && !soft) drop_plan();
+  // A new motion begins where the old one is, in a planning frame of its own.
+  if (take_over()) watch_.change_frame(course_.sample(), course_.anchor());
   if (watch_.slip_found()) course_.accept_slip(watch_.slid(course_.sample()));
-  if (take_over()) {  // the new motion begins where the old one is, in a planning frame of its own
-    watch_.change_frame(course_.sample(), course_.anchor());
-    if (watch_.slip_found()) course_.accept_slip(watch_.slid(course_.sample()));
-  }
   tell_changes();
   if (watch_.soft()) {
     soft_.q = measurement.q;
@@ -108,17 +111,16 @@ bool Navigator::take_over() {
     commit(answer);
     return true;
   }
-  const bool urgent = answer->stops() || answer->capture() != nullptr;
-  if (motion() == nullptr || !urgent) refuse(answer);  // else the motion under way ends at rest
+  if (motion() == nullptr || !urgent(*answer)) refuse(answer);  // else the motion under way ends at rest
   return false;
 }
 
 bool Navigator::valid(const Answer& answer) const {
   if (watch_.guard() != Guard::armed) return false;
-  const bool urgent = answer.stops() || answer.capture() != nullptr;
-  if (watch_.disturbed() && !urgent) return false;  // pushed meanwhile
+  const bool ordinary = !urgent(answer);
+  if (watch_.disturbed() && ordinary) return false;  // pushed meanwhile
   // Let go of meanwhile: the motion under way ends at rest.
-  if (!urgent && (exchange_.countered || (motion() != nullptr && command_.neutral()))) return false;
+  if (ordinary && (exchange_.countered || (motion() != nullptr && command_.neutral()))) return false;
   const Motion* next = answer.motion();
   if (next == nullptr) return true;
   if (std::holds_alternative<Retrace>(answer.intent) && history_.empty()) return false;  // a slip has ended it

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baton/navigate/drift.hpp"
+
 namespace baton {
 namespace {
 
 constexpr double kDisturbed = 0.02;    ///< error of the DCM from which nothing new is begun [COM height]
 constexpr double kRecovered = 0.01;    ///< error below which the robot is no longer disturbed [COM height]
-constexpr double kSlip = 0.2;          ///< displacement of the soles that is a slip [reach of a foot]
 constexpr double kSinks = 4e-3;        ///< difference of heights that is how soles sink [COM height]
 constexpr double kFallenTilt = 0.8;    ///< inclination of the trunk from which a fall is certain [rad]
 constexpr double kFallenHeight = 0.5;  ///< height of the COM below which it is [nominal]

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 
 #include "baton/proving/episode.hpp"
+#include "tests/proving/trial.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
 namespace baton::app {
 namespace {
+
+using test::trial;
 
 using test::Outcome;
 using test::run;
@@ -15,15 +18,6 @@ using test::Scratch;
 using testing::HasSubstr;
 
 constexpr double kPeriod = 0.005;
-
-Trial trial(Simulation::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
-  Trial trial;
-  trial.on = on;
-  trial.seed = seed;
-  trial.seconds = seconds;
-  trial.modes = modes;
-  return trial;
-}
 
 /// A report without what depends on the clock on the wall.
 nlohmann::json timeless(nlohmann::json report) {

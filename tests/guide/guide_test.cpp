@@ -7,6 +7,7 @@
 
 #include "baton/ik/stand.hpp"
 #include "baton/model/contact.hpp"
+#include "tests/guide/random_command.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
@@ -40,16 +41,6 @@ class GuideTest : public testing::TestWithParam<std::string> {
     Command command;
     command.guide = part;
     command.axes[axis] = value;
-    return command;
-  }
-
-  Command random_command(std::mt19937_64& random) const {
-    std::uniform_real_distribution<double> unit(-1.2, 1.2);
-    Command command;
-    command.guide = kParts[random() % kParts.size()];
-    for (double& axis : command.axes)
-      axis = random() % 3 == 0 ? 0.0 : unit(random);
-    command.lift = {random() % 2 == 0 ? 0.0 : unit(random), random() % 2 == 0 ? 0.0 : unit(random)};
     return command;
   }
 
@@ -101,7 +92,7 @@ TEST_P(GuideTest, EveryGoalIsConsistent) {
   int refusals = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const Posture from = random_stance(random);
-    const Command command = random_command(random);
+    const Command command = test::random_command(random);
     const GuideResult result = guide.goals(context(from), command);
     if (std::holds_alternative<Refusal>(result)) ++refusals;
     const auto* list = std::get_if<std::vector<Goal>>(&result);
@@ -152,7 +143,7 @@ TEST_P(GuideTest, TurningTheWholeSceneTurnsTheGoals) {
   int compared = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     const Posture from = random_stance(random);
-    const Command command = random_command(random);
+    const Command command = test::random_command(random);
     const Pose turn{Vec3(0.3, -0.2, 0), rotation_z(std::uniform_real_distribution<double>(-3, 3)(random))};
     Posture turned = from;
     turned.com = turn * from.com;

@@ -14,6 +14,7 @@
 #include "baton/guide/guide.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/plan/planner.hpp"
+#include "tests/guide/random_command.hpp"
 #include "tests/support/mirror.hpp"
 #include "tests/verify/sample_motions.hpp"
 
@@ -188,12 +189,7 @@ class MirrorTest : public testing::TestWithParam<std::string> {
   }
 
   [[nodiscard]] static Command random_command(std::mt19937_64& random) {
-    std::uniform_real_distribution<double> unit(-1.2, 1.2);
-    Command command;
-    command.guide = kParts[random() % kParts.size()];
-    for (double& axis : command.axes)
-      axis = random() % 3 == 0 ? 0.0 : unit(random);
-    command.lift = {random() % 2 == 0 ? 0.0 : unit(random), random() % 2 == 0 ? 0.0 : unit(random)};
+    Command command = test::random_command(random);
     if (random() % 10 == 0) command.recall = Recall::home;
     return command;
   }

@@ -4,19 +4,13 @@
 
 #include "baton/ik/stand.hpp"
 #include "baton/proving/judges.hpp"
+#include "tests/proving/trial.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-Trial trial(Simulation::On on, std::uint64_t seed, double seconds, Modes modes = {}) {
-  Trial trial;
-  trial.on = on;
-  trial.seed = seed;
-  trial.seconds = seconds;
-  trial.modes = modes;
-  return trial;
-}
+using test::trial;
 
 /// A short episode with little room, at a kind of place where something was found before, or would be.
 struct Situation {
