@@ -39,13 +39,14 @@ bool differ(const Run& a, const Run& b) {
 }
 
 /// Full deflection of one axis, or in a horizontal direction; a foot may be lifted.
-Command deflected(Draw& draw, const Guide& guide, Part part) {
+Command deflected(Draw& draw, const RobotModel& robot, Part part) {
   Command command;
   command.guide = part;
-  const std::vector<int> axes = guide.axes_of(part);
   if (draw.chance(0.5)) {
-    command.axes[axes[static_cast<std::size_t>(draw.below(static_cast<int>(axes.size())))]] =
-        draw.chance(0.5) ? 1.0 : -1.0;
+    while (requested_move(robot, command).isZero(0.0)) {  // until it is an axis that the part can use
+      command.axes.setZero();
+      command.axes[draw.below(6)] = draw.chance(0.5) ? 1.0 : -1.0;
+    }
   } else {
     const double angle = draw.real(-std::numbers::pi, std::numbers::pi);
     command.axes.head<2>() << std::cos(angle), std::sin(angle);
@@ -59,7 +60,7 @@ Part any_part(Draw& draw) {
 }
 
 /// The stick before the change: centred, or released; walking; a foot; a hand; one part, then another.
-std::vector<Stretch> prelude(Draw& draw, const Guide& guide) {
+std::vector<Stretch> prelude(Draw& draw, const RobotModel& robot) {
   std::vector<Stretch> script;
   const auto add = [&](double least, double most, const Command& command) {
     script.push_back({(script.empty() ? 0.0 : script.back().until) + draw.real(least, most), command});
@@ -67,22 +68,22 @@ std::vector<Stretch> prelude(Draw& draw, const Guide& guide) {
   const auto let_go = [&](double most) { add(0.05, most, Command{.guide = script.back().command.guide}); };
   switch (draw.below(5)) {
     case 0:
-      add(0.05, 2.0, draw.chance(0.5) ? Command{} : deflected(draw, guide, any_part(draw)));
+      add(0.05, 2.0, draw.chance(0.5) ? Command{} : deflected(draw, robot, any_part(draw)));
       let_go(3.0);
       break;
     case 1:
-      add(0.05, 4.0, deflected(draw, guide, Part::trunk));
+      add(0.05, 4.0, deflected(draw, robot, Part::trunk));
       break;
     case 2:
-      add(0.05, 1.5, deflected(draw, guide, foot(draw.chance(0.5) ? Side::left : Side::right)));
+      add(0.05, 1.5, deflected(draw, robot, foot(draw.chance(0.5) ? Side::left : Side::right)));
       break;
     case 3:
-      add(0.3, 2.0, deflected(draw, guide, hand(draw.chance(0.5) ? Side::left : Side::right)));
+      add(0.3, 2.0, deflected(draw, robot, hand(draw.chance(0.5) ? Side::left : Side::right)));
       if (draw.chance(0.5)) let_go(1.0);
       break;
     default:
-      add(0.3, 2.0, deflected(draw, guide, any_part(draw)));
-      add(0.05, 1.0, deflected(draw, guide, any_part(draw)));
+      add(0.3, 2.0, deflected(draw, robot, any_part(draw)));
+      add(0.05, 1.0, deflected(draw, robot, any_part(draw)));
   }
   return script;
 }
@@ -107,12 +108,11 @@ Situation situation_of(const Navigator& navigator) {
 
 Change change_of_command(const RobotModel& robot, const World& world, std::uint64_t seed) {
   Draw draw(seed);
-  const Guide guide(robot, world);
-  const std::vector<Stretch> script = prelude(draw, guide);
+  const std::vector<Stretch> script = prelude(draw, robot);
   const Command& old = script.back().command;
   Command fresh;
   do {
-    fresh = deflected(draw, guide, draw.chance(0.5) ? old.guide : any_part(draw));
+    fresh = deflected(draw, robot, draw.chance(0.5) ? old.guide : any_part(draw));
   } while (!really_different(old, fresh));
 
   const Profile& profile = robot.profile();

@@ -43,7 +43,7 @@ Vec3 VelocityTracking::towards(const Vec3& difference, double speed) {
 bool VelocityTracking::wants_up(Side side, const Command& command) const {
   if (command.guide != foot(side)) return false;
   const bool deflected = command.axes[0] != 0.0 || command.axes[1] != 0.0 || command.axes[5] != 0.0;
-  return deflected || command.lift[side] >= Guide::kLeastLift;
+  return deflected || command.lift[side] >= kLeastLift;
 }
 
 void VelocityTracking::tick(const Command& raw) {
@@ -76,7 +76,7 @@ void VelocityTracking::move_foot(Side side, const Command& command, const Mat3& 
     const ConvexPolygon support = sole_outline(*robot_, other(side), stance);
     up = support.margin(targets_.com.head<2>()) >= profile.margin.stand_on;
   }
-  const double throttle = command.lift[side] >= Guide::kLeastLift ? command.lift[side] * profile.swing.lift : 0.0;
+  const double throttle = command.lift[side] >= kLeastLift ? command.lift[side] * profile.swing.lift : 0.0;
   const double wanted = !up ? 0.0 : throttle > 0.0 ? throttle : profile.swing.clearance;
   const double climb = profile.swing.lift / (0.5 * T_);
   const bool moves = command.guide == foot(side) && (care_ == Care::none ? up : sole.p.z() > kClear);

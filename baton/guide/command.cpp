@@ -21,6 +21,21 @@ Command sanitised(const Command& command) {
   return result;
 }
 
+Vec6 reach_of(const RobotModel& robot, Part part) {
+  const Profile::Reach& reach = robot.profile().reach;
+  const double length = is_foot(part) ? reach.foot : is_hand(part) ? reach.hand : reach.trunk;
+  Vec6 full;
+  full << Vec3::Constant(length), Vec3::Constant(reach.rotation);
+  return full;
+}
+
+Vec6 requested_move(const RobotModel& robot, const Command& command) {
+  Vec6 move = command.axes.cwiseProduct(reach_of(robot, command.guide));
+  if (is_foot(command.guide)) move.segment<3>(2).setZero();
+  if (is_hand(command.guide) && !robot.hand_has_attitude(side_of(command.guide))) move.tail<3>().setZero();
+  return move;
+}
+
 bool lever_moved(const Command& a, const Command& b) {
   if (!is_foot(a.guide)) return false;
   const Side side = side_of(a.guide);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "baton/model/robot_model.hpp"
 #include "baton/motion/posture.hpp"
 
 namespace baton {
@@ -37,6 +38,16 @@ struct Command {
            lift.right == other.lift.right && recall == other.recall;
   }
 };
+
+/// Lifts below this count as zero.
+inline constexpr double kLeastLift = 0.05;
+
+/// Displacement of a part at full stick, along each axis: position [m], rotation vector [rad].
+[[nodiscard]] Vec6 reach_of(const RobotModel& robot, Part part);
+
+/// Displacement of the guided part that the axes request, in the heading frame: position [m], rotation vector [rad].
+/// Zero along axes that the part cannot use: a foot's z, roll and pitch, and the attitude of a hand without one.
+[[nodiscard]] Vec6 requested_move(const RobotModel& robot, const Command& command);
 
 /// Whether `a` guides a foot that `b` does not, or with another lift, beyond device jitter.
 [[nodiscard]] bool lever_moved(const Command& a, const Command& b);

@@ -7,40 +7,72 @@
 #include "baton/model/contact.hpp"
 
 namespace baton {
+namespace {
+
+constexpr double kRounding = 1e-6;  ///< displacements below this are rounding errors [reach]
+
+}  // namespace
 
 GuideResult Guide::goals(const GuideContext& context, const Command& raw) const {
   const Command command = sanitised(raw);
-  for (const Side side : kSides) {
-    const bool guided = command.guide == foot(side) && command.recall == Recall::none;
-    if (!context.from.contact[side] && !guided) return landings(context, side);
-  }
-  if (context.step && is_foot(command.guide) && side_of(command.guide) != context.step->side) return std::monostate{};
+  if (const std::optional<Side> side = lands_first(context, command)) return landings(context, *side);
   if (command.recall == Recall::home) return go_home(context);
-  if (is_foot(command.guide)) return guide_foot(context, command);
-  return command.guide == Part::trunk ? guide_trunk(context, command) : guide_hand(context, command);
+  const std::optional<Target> target = this->target(context, command);
+  return target ? goals(context, *target) : std::monostate{};
 }
 
-std::vector<int> Guide::axes_of(Part part) const {
-  if (is_foot(part)) return {0, 1, 5};
-  if (is_hand(part) && !robot_->hand_has_attitude(side_of(part))) return {0, 1, 2};
-  return {0, 1, 2, 3, 4, 5};
-}
-
-Command Guide::shortened(const GuideContext& context, const Command& command, double share) const {
-  Command shorter = command;
-  shorter.axes *= share;
-  if (!is_foot(command.guide)) return shorter;
-  const Side side = side_of(command.guide);
-  double& lift = shorter.lift[side];
-  if (lift < kLeastLift) return shorter;  // a foot that is to land does not stay in the air
-  double now = 0.0;
-  if (!context.from.contact[side]) {
-    const Pose in_world = context.anchor * context.from.sole[side];
-    now =
-        (in_world.p.z() - world_->highest_under(sole_outline(*robot_, side, in_world))) / robot_->profile().swing.lift;
+std::optional<Side> Guide::lands_first(const GuideContext& context, const Command& command) const {
+  for (const Side side : kSides) {
+    if (context.from.contact[side]) continue;
+    const bool guided = command.guide == foot(side) && command.recall == Recall::none;
+    // A guided foot whose stick and lever are released makes the same landings as were verified before it was lifted:
+    // `Strategy::no_landing`.
+    if (!guided || (requested_move(*robot_, command).isZero(0.0) && command.lift[side] < kLeastLift)) return side;
   }
-  lift = std::max(kLeastLift, now + share * (lift - now));
-  return shorter;
+  return std::nullopt;
+}
+
+std::optional<Target> Guide::target(const GuideContext& context, const Command& raw) const {
+  const Command command = sanitised(raw);
+  const bool busy = context.step && is_foot(command.guide) && side_of(command.guide) != context.step->side;
+  if (command.recall != Recall::none || busy || lands_first(context, command)) return std::nullopt;
+  if (is_foot(command.guide)) return foot_target(context, command);
+  const Target target{.part = command.guide, .move = requested_move(*robot_, command)};
+  if (target.move.isZero(0.0)) return std::nullopt;
+  return target;
+}
+
+GuideResult Guide::goals(const GuideContext& context, const Target& target) const {
+  if (is_foot(target.part)) return guide_foot(context, target);
+  return target.part == Part::trunk ? guide_trunk(context, target) : guide_hand(context, target);
+}
+
+Target Guide::part_of(const GuideContext& context, const Target& target, double share) const {
+  Target part = target;
+  part.move *= share;
+  if (target.lift == 0.0) return part;  // a foot that is to land does not stay in the air
+  const Side side = side_of(target.part);
+  const double now = context.from.contact[side] ? 0.0 : height_above_terrain(context, side);
+  part.lift = std::max(least_lift(robot_->profile()), now + share * (target.lift - now));
+  return part;
+}
+
+std::vector<Target> Guide::single_axes(const Target& target) const {
+  const Vec6 deflection = target.move.cwiseQuotient(reach_of(*robot_, target.part)).cwiseAbs();
+  std::vector<int> axes{0, 1, 2, 3, 4, 5};
+  std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return deflection[a] > deflection[b]; });
+  std::vector<Target> singles;
+  for (const int axis : axes) {
+    if (deflection[axis] < kRounding) continue;
+    Target& single = singles.emplace_back(target);
+    single.move.setZero();
+    single.move[axis] = target.move[axis];
+  }
+  return singles;
+}
+
+double Guide::same_place() const {
+  return kSamePlace * robot_->profile().stance.com_height;
 }
 
 GuideResult Guide::go_home(const GuideContext& context) const {
@@ -59,15 +91,15 @@ GuideResult Guide::go_home(const GuideContext& context) const {
     const Pose& stance = from.sole[other(side)];
     const Mat3 R = rotation_z(yaw_of(stance.R));
     const Vec3 at = stance.p + R * Vec3(0, sign_of(side) * profile.stance.width, 0);
-    const bool there = (at - from.sole[side].p).head<2>().norm() < kSamePlace &&
+    const bool there = (at - from.sole[side].p).head<2>().norm() < same_place() &&
                        std::abs(wrap_angle(yaw_of(R) - yaw_of(from.sole[side].R))) < kSameYaw;
     if (there) continue;
     for (const double yaw : {yaw_of(stance.R), yaw_of(from.sole[side].R)}) {
-      const Placement placement = nearest_place(context, side, at.head<2>(), yaw, profile.region.foot_x);
+      const Placement placement = nearest_place(context, side, at.head<2>(), yaw, foot_region());
       const double nearer = (at - from.sole[side].p).head<2>().norm() - (at - placement.sole.p).head<2>().norm();
       const double turned = std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(from.sole[side].R))) -
                             std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(placement.sole.R)));
-      if (placement.refusal || (nearer < kSamePlace && turned < kSameYaw)) continue;
+      if (placement.refusal || (nearer < same_place() && turned < kSameYaw)) continue;
       Goal goal = upright;
       goal.kind = SegmentKind::step;
       goal.swing = side;
@@ -77,7 +109,7 @@ GuideResult Guide::go_home(const GuideContext& context) const {
   }
   const Goal now = stay(context, Part::trunk);
   const Goal home = stand_on(upright);
-  const bool there = (home.com - from.com).norm() < kSamePlace &&
+  const bool there = (home.com - from.com).norm() < same_place() &&
                      rotation_error(home.trunk, from.trunk).norm() < kSameYaw &&
                      (home.arms - now.arms).cwiseAbs().maxCoeff() < kSameYaw;
   if (!there) {
@@ -129,7 +161,7 @@ void Guide::add_nominal(const GuideContext& context, Goal goal, std::vector<Goal
   const double height = context.from.com.z() - context.from.support_height();
   const double asked = goal.com.z();
   const double rise = com_above(context, goal).z() - height + robot_->profile().stance.com_height - asked;
-  if (std::abs(rise) > kSamePlace) {
+  if (std::abs(rise) > same_place()) {
     for (const double share : {0.5, 1.0}) {
       goal.com.z() = asked + share * rise;
       goals.push_back(goal);

@@ -36,36 +36,48 @@ struct GuideContext {
   Pose drift_correction{};  ///< displacement towards it, in the planning frame, that a guided trunk applies to its goal
 };
 
+/// Displacement requested of the guided part.
+struct Target {
+  Part part = Part::trunk;
+  Vec6 move = Vec6::Zero();  ///< of the sole, the hand, or COM and trunk, in the heading frame: position [m], rotation
+                             ///< vector [rad]
+  double lift = 0.0;         ///< of a foot above the terrain [m]; 0: it stands
+};
+
 /// Nothing requested; goals, the preferred one first; or the reason why there is none.
 using GuideResult = std::variant<std::monostate, std::vector<Goal>, Refusal>;
 
 class Guide {
  public:
-  /// Lift commands below this count as zero.
-  static constexpr double kLeastLift = 0.05;
-
   /// Robot and world must outlive the object.
   Guide(const RobotModel& robot, const World& world) : robot_(&robot), world_(&world) {}
 
   /// Goals for a command. Sanitises the command.
   [[nodiscard]] GuideResult goals(const GuideContext& context, const Command& command) const;
 
-  /// Indices of the axes that a part can use.
-  [[nodiscard]] std::vector<int> axes_of(Part part) const;
+  /// The target of a command that guides by the stick. Nothing for recalls, and while a foot in the air is to land
+  /// first. Sanitises the command.
+  [[nodiscard]] std::optional<Target> target(const GuideContext& context, const Command& command) const;
 
-  /// The command with its goal moved towards the guided part, to `share` of the distance.
-  [[nodiscard]] Command shortened(const GuideContext& context, const Command& command, double share) const;
+  /// Goals with the guided part at its target, and all other parts by rule.
+  [[nodiscard]] GuideResult goals(const GuideContext& context, const Target& target) const;
 
-  /// The command for a foot, with its goal clamped to the foot's region.
-  [[nodiscard]] Command within_region(const GuideContext& context, const Command& command) const;
+  /// The first `share` of the target's displacement.
+  [[nodiscard]] Target part_of(const GuideContext& context, const Target& target, double share) const;
 
-  /// For a guided foot whose requested foothold is on a terrain edge: the nearest valid foothold in the same direction,
-  /// before the edge or past it. Nothing if there is none, or the foot is to stay in the air.
-  [[nodiscard]] GuideResult nearest_step(const GuideContext& context, const Command& command) const;
+  /// The target's displacement along each axis alone, the largest first, relative to the part's reach.
+  [[nodiscard]] std::vector<Target> single_axes(const Target& target) const;
+
+  /// The target of a foot, clamped to the foot's region.
+  [[nodiscard]] Target within_region(const GuideContext& context, const Target& target) const;
+
+  /// For a guided foot whose target is on a terrain edge: the nearest valid foothold in the same direction, before the
+  /// edge or past it. Nothing if there is none, or the foot is to stay in the air.
+  [[nodiscard]] GuideResult nearest_step(const GuideContext& context, const Target& target) const;
 
   /// For a guided foot that cannot step, at the border of its region or before an edge it cannot pass: a step of the
   /// other foot in the same direction. Nothing if that step would be too short.
-  [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Command& command) const;
+  [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Target& target) const;
 
   /// Landings of a foot in the air: below it, on its latest foothold, or on the nearest valid foothold; with the COM at
   /// its current height, then lower.
@@ -85,9 +97,18 @@ class Guide {
  private:
   struct Placement;  ///< a foothold, or the reason why it is invalid
 
-  [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Command& command) const;
-  [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Command& command) const;
-  [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Command& command) const;
+  /// Where a foot may be placed, in the stance sole's frame [m].
+  struct FootRegion {
+    Range forward;
+    Range outward;  ///< away from the stance foot
+  };
+
+  /// The foot in the air that has to land before the command can be followed.
+  [[nodiscard]] std::optional<Side> lands_first(const GuideContext& context, const Command& command) const;
+  [[nodiscard]] std::optional<Target> foot_target(const GuideContext& context, const Command& command) const;
+  [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Target& target) const;
+  [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Target& target) const;
+  [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Target& target) const;
   /// Goals towards the initial stance, at the feet's current place: steps first, then COM, trunk and arms.
   [[nodiscard]] GuideResult go_home(const GuideContext& context) const;
   /// Decides whether and where a foot steps, given COM and trunk attitude of `goal`.
@@ -102,27 +123,32 @@ class Guide {
   void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
   /// Sets the arms to the home pose.
   void arms_home(Goal& goal) const;
+  /// Distance below which two places are the same [m].
+  [[nodiscard]] double same_place() const;
+  /// Height of a sole above the highest terrain under it [m].
+  [[nodiscard]] double height_above_terrain(const GuideContext& context, Side side) const;
+  /// The profile's region.
+  [[nodiscard]] FootRegion foot_region() const;
+  /// The same, for steps that the robot chooses by itself.
+  [[nodiscard]] FootRegion stride_region() const;
+  /// A region extended to the foot's present place, which is outside if the soles are turned against each other.
+  [[nodiscard]] static FootRegion extended(FootRegion region, const GuideContext& context, Side side);
   /// Places a foot on the terrain, or in the air above it.
   /// @param at position of the sole [m]
   /// @param lift height above the terrain [m]; 0: it stands
-  /// @param forward region in x
   /// @param edge distance from terrain edges [m]; by default `margin.edge` plus the position's uncertainty
-  /// @param from_here extends the region to the foot's current place, which is outside if the soles are turned against
-  /// each other
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
-                                const Range& forward, std::optional<double> edge = {}, bool from_here = false) const;
-  /// The valid foothold nearest to `at`, by a grid search over the foot's region.
+                                const FootRegion& region, std::optional<double> edge = {}) const;
+  /// The valid foothold nearest to `at`, by a grid search over the region.
   /// @param serves if given, restricts the positions [m]
   [[nodiscard]] Placement nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
-                                        const Range& forward,
+                                        const FootRegion& region,
                                         const std::function<bool(const Vec2&)>& serves = {}) const;
-  /// Target of a guided foot.
-  struct FootWish {
-    Vec2 move;          ///< displacement [m]
-    double yaw = 0.0;   ///< [rad]
-    double lift = 0.0;  ///< height above the terrain [m]; 0: it stands
-  };
-  [[nodiscard]] FootWish foot_wish(const GuideContext& context, const Command& command) const;
+  /// The foothold nearest to `at` that brings a foot forward in the direction of `move`, if there is one.
+  /// @param least progress, as share of `move`
+  /// @param direction least cosine of the angle between the step and `move`
+  [[nodiscard]] GuideResult step_along(const GuideContext& context, Side side, const Vec2& at, double yaw,
+                                       const Vec2& move, double least, double direction) const;
   /// Goals with the guided foot at `sole` and all other parts by rule.
   /// @param stands on the ground, not in the air
   [[nodiscard]] std::vector<Goal> foot_goals(const GuideContext& context, Side side, const Pose& sole,
@@ -130,9 +156,10 @@ class Guide {
   /// Appends goals with a step that serves COM and trunk of `goal`, the preferred one first. Returns the refusal of the
   /// first foothold that is invalid.
   /// @param turn whether a step is due to turn the feet
-  /// @param forward region in x
-  std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
+  std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const FootRegion& region,
                                    std::vector<Goal>& goals) const;
+  /// The foot farther from a place; at a tie, the one that did not step last.
+  [[nodiscard]] Side farther_foot(const GuideContext& context, const Vec2& place) const;
   /// `goal` with a step to `sole`, and the COM above the middle of the feet.
   [[nodiscard]] Goal stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const;
   /// COM position above the middle of the goal's soles in contact, at its current height above the soles in contact.

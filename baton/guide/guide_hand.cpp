@@ -4,28 +4,24 @@
 
 namespace baton {
 
-GuideResult Guide::guide_hand(const GuideContext& context, const Command& command) const {
-  const Side side = side_of(command.guide);
-  const bool turns = robot_->hand_has_attitude(side) && !command.axes.tail<3>().isZero(0.0);
-  if (command.axes.head<3>().isZero(0.0) && !turns) return std::monostate{};
+GuideResult Guide::guide_hand(const GuideContext& context, const Target& target) const {
+  const Side side = side_of(target.part);
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
   const Mat3 heading = rotation_z(from.heading());
-  Goal goal = stay(context, command.guide);
+  Goal goal = stay(context, target.part);
   goal.kind = SegmentKind::reach;
-  Pose hand = from.hand[side];
-  hand.p += heading * command.axes.head<3>() * profile.reach.hand;
-  if (turns) hand.R = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * hand.R;
+  const Pose hand{from.hand[side].p + heading * target.move.head<3>(),
+                  rotation_exp(heading * target.move.tail<3>()) * from.hand[side].R};
   goal.hand[side] = hand;
+  const Vec3 move = hand.p - from.hand[side].p;
 
   // The COM height changes only with a vertical command, and only in its direction.
-  const double up = command.axes[2];
   const auto with_com_moved_by = [&](const Vec3& shift) {
     Goal moved = goal;
-    moved.com += Vec3(shift.x(), shift.y(), up * shift.z() > 0.0 ? shift.z() : 0.0);
+    moved.com += Vec3(shift.x(), shift.y(), move.z() * shift.z() > 0.0 ? shift.z() : 0.0);
     const double support = from.support_height();
-    moved.com.z() =
-        support + std::clamp(moved.com.z() - support, profile.region.com_height.lo, profile.region.com_height.hi);
+    moved.com.z() = support + profile.region.com_height.clamped(moved.com.z() - support);
     return moved;
   };
   if (context.step) return std::vector<Goal>{stepping(context, goal, context.step->side, context.step->to)};
@@ -36,7 +32,6 @@ GuideResult Guide::guide_hand(const GuideContext& context, const Command& comman
     if (list != nullptr) goals.insert(goals.end(), list->begin(), list->end());
     if (list == nullptr && !refusal) refusal = std::get<Refusal>(more);
   };
-  const Vec3 move = hand.p - from.hand[side].p;
   const Vec3 stretch = hand.p - from.shoulder[side];
   const double length = stretch.norm();
   if (length > profile.region.hand_distance) {

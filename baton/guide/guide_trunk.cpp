@@ -6,27 +6,33 @@
 #include "baton/model/contact.hpp"
 
 namespace baton {
+namespace {
 
-GuideResult Guide::guide_trunk(const GuideContext& context, const Command& command) const {
-  if (command.axes.isZero(0.0)) return std::monostate{};
-  const Profile& profile = robot_->profile();
+constexpr double kLeastProgress = 0.01;  ///< share of the requested displacement below which a goal is no progress
+constexpr double kRounding = 1e-6;       ///< displacements below this are rounding errors [m, rad]
+
+}  // namespace
+
+GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target) const {
+  const Profile::Region& region = robot_->profile().region;
   const Posture& from = context.from;
   const Mat3 heading = rotation_z(from.heading());
   Goal goal = stay(context, Part::trunk);
-  goal.com += heading * command.axes.head<3>() * profile.reach.trunk;
+  goal.com += heading * target.move.head<3>();
   const double support = from.support_height();
   const double asked = goal.com.z() - support;
-  goal.com.z() = support + std::clamp(asked, profile.region.com_height.lo, profile.region.com_height.hi);
-  const Mat3 turned = rotation_exp(heading * command.axes.tail<3>() * profile.reach.rotation) * from.trunk;
-  const double most = profile.region.trunk_inclination;
+  goal.com.z() = support + region.com_height.clamped(asked);
+  const Mat3 turned = rotation_exp(heading * target.move.tail<3>()) * from.trunk;
   // A trunk at its largest tilt leans no farther, but follows the rest of the command.
-  goal.trunk = limit_tilt(turned, most);
-  const bool still = (goal.com - from.com).norm() < 1e-6;
-  if (still && tilt_of(turned) > std::max(most, tilt_of(from.trunk) - 1e-9))
-    return Refusal{Reason::trunk_inclination, Part::trunk, tilt_of(turned), most, ""};
-  if (still && rotation_error(goal.trunk, from.trunk).norm() < 1e-6) {
-    return Refusal{Reason::com_height, Part::trunk, asked, nearest_limit(asked, profile.region.com_height), ""};
-  }
+  goal.trunk = limit_tilt(turned, region.trunk_inclination);
+  const auto none = [](const Vec3& made, const auto& requested) {
+    return made.norm() < kLeastProgress * requested.norm() + kRounding;
+  };
+  const bool still = none(goal.com - from.com, target.move.head<3>());
+  if (still && tilt_of(turned) > std::max(region.trunk_inclination, tilt_of(from.trunk) - kRounding))
+    return Refusal{Reason::trunk_inclination, Part::trunk, tilt_of(turned), region.trunk_inclination, ""};
+  if (still && none(rotation_error(goal.trunk, from.trunk), target.move.tail<3>()))
+    return Refusal{Reason::com_height, Part::trunk, asked, region.com_height.clamped(asked), ""};
   goal.com.head<2>() = (context.drift_correction * goal.com).head<2>();
   goal.trunk = context.drift_correction.R * goal.trunk;
   arms_home(goal);
@@ -35,7 +41,7 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Command& comma
   for (std::size_t i = 0; goals != nullptr && i < goals->size(); ++i) {
     // If no step reaches the corrected goal, only yaw is corrected.
     Goal& made = (*goals)[i];
-    const bool there = (made.com - goal.com).head<2>().norm() < kSamePlace;
+    const bool there = (made.com - goal.com).head<2>().norm() < same_place();
     made.drift_correction = there ? context.drift_correction
                                   : Pose{made.com - context.drift_correction.R * made.com, context.drift_correction.R};
   }
@@ -55,11 +61,10 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const bool stays = stands && !turn && !context.step;
   const bool walks = context.goes_on && goal.guided == Part::trunk;
   // Without horizontal motion or turn, a step does not help.
-  if (stays && (target - from.com.head<2>()).norm() < kSamePlace) return std::vector<Goal>{goal};
+  if (stays && (target - from.com.head<2>()).norm() < same_place()) return std::vector<Goal>{goal};
   if (stays && !walks) goals.push_back(goal);
-  const double stride = profile.region.stride;
-  std::optional<Refusal> refusal = add_steps(context, goal, turn, {-stride, stride}, goals);
-  if (goals.empty()) refusal = add_steps(context, goal, turn, profile.region.foot_x, goals);
+  std::optional<Refusal> refusal = add_steps(context, goal, turn, stride_region(), goals);
+  if (goals.empty()) refusal = add_steps(context, goal, turn, foot_region(), goals);
   if (context.step) goals.push_back(stepping(context, goal, context.step->side, context.step->to));
   if (stays && walks) goals.push_back(goal);
   // If no foot can follow, the trunk alone turns, within the yaw limit of the feet.
@@ -82,22 +87,24 @@ Goal Guide::stepping(const GuideContext& context, const Goal& goal, Side side, c
   return stepping;
 }
 
-std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal& goal, bool turn, const Range& forward,
-                                        std::vector<Goal>& goals) const {
+Side Guide::farther_foot(const GuideContext& context, const Vec2& place) const {
+  const auto distance = [&](Side side) { return (context.from.sole[side].p.head<2>() - place).norm(); };
+  const double difference = distance(Side::left) - distance(Side::right);
+  if (std::abs(difference) <= same_place()) return other(context.last_step);
+  return difference > 0.0 ? Side::left : Side::right;
+}
+
+std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal& goal, bool turn,
+                                        const FootRegion& region, std::vector<Goal>& goals) const {
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
   const Vec2 target = goal.com.head<2>();
-  // The foot farther from the goal first; at a tie, the one that did not step last.
-  const auto distance = [&](Side side) { return (from.sole[side].p.head<2>() - target).norm(); };
-  Side first = other(context.last_step);
-  if (std::abs(distance(Side::left) - distance(Side::right)) > kSamePlace) {
-    first = distance(Side::left) > distance(Side::right) ? Side::left : Side::right;
-  }
+  const Side first = farther_foot(context, target);
   const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
   std::optional<Refusal> refusal;
   const std::vector<Side> feet = context.step ? std::vector{context.step->side} : std::vector{first, other(first)};
   for (const Side side : feet) {
-    const Placement placement = place(context, side, wish(side), yaw, 0.0, forward);
+    const Placement placement = place(context, side, wish(side), yaw, 0.0, region);
     if (!placement.refusal) goals.push_back(stepping(context, goal, side, placement.sole));
     if (placement.refusal && !refusal) refusal = placement.refusal;
   }
@@ -105,16 +112,16 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
   std::vector<std::pair<double, std::pair<Side, Pose>>> nearest;
   for (const Side side : feet) {
-    const Placement candidate = nearest_place(context, side, wish(side), yaw, forward);
+    const Placement candidate = nearest_place(context, side, wish(side), yaw, region);
     if (candidate.refusal) continue;
     const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
     const double turned =
         std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) - std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
-    const bool nearer = left < (middle - target).norm() - kSamePlace;
+    const bool nearer = left < (middle - target).norm() - same_place();
     const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + robot_->profile().reach.trunk;
-    if (left > kSamePlace && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
+    if (left > same_place() && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
   }
-  if (nearest.size() == 2 && nearest[1].first < nearest[0].first - kSamePlace) std::swap(nearest[0], nearest[1]);
+  if (nearest.size() == 2 && nearest[1].first < nearest[0].first - same_place()) std::swap(nearest[0], nearest[1]);
   for (const auto& [left, placed] : nearest)
     goals.push_back(stepping(context, goal, placed.first, placed.second));
   return refusal;

@@ -29,16 +29,17 @@ Goal Guide::landing(const GuideContext& context, Side side, const Pose& sole) co
 
 GuideResult Guide::landings(const GuideContext& context, Side side) const {
   const Profile& profile = robot_->profile();
-  const Range& region = profile.region.foot_x;
   const Pose& now = context.from.sole[side];
   const Pose& last = context.foothold[side];
-  const Placement here = place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, region, {}, true);
+  const Placement here =
+      place(context, side, now.p.head<2>(), yaw_of(now.R), 0.0, extended(foot_region(), context, side));
   // The latest foothold stays valid, even if the stance foot has since come to rest slightly outside the region, or
   // odometry now puts it slightly closer to an edge.
-  const Range stood{region.lo - profile.reach.foot, region.hi + profile.reach.foot};
-  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0, true);
-  const Range stride{-profile.region.stride, profile.region.stride};
-  const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride);
+  FootRegion stood = extended(foot_region(), context, side);
+  stood.forward.lo -= profile.reach.foot;
+  stood.forward.hi += profile.reach.foot;
+  const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0);
+  const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride_region());
   std::vector<Goal> goals;
   for (const double down : {0.0, profile.reach.trunk}) {
     for (const Placement* placement : {&here, &back, &near}) {
@@ -79,7 +80,7 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
   const Posture& from = context.from;
   std::vector<Goal> goals;
   const auto add = [&](Side side, const Vec2& at, double yaw, SegmentKind kind) {
-    const Placement placement = nearest_place(context, side, at, yaw, profile.region.foot_x);
+    const Placement placement = nearest_place(context, side, at, yaw, foot_region());
     if (placement.refusal) return;
     Goal goal = landing(context, side, placement.sole);
     goal.kind = kind;
@@ -102,10 +103,9 @@ GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool asi
     if (!aside && std::abs(ahead.y()) > kSideways * std::abs(ahead.x())) return std::monostate{};
     // A sideways push loads the foot on that side, so the other one steps. After a straight push it is the one that
     // carries less.
-    const auto far = [&](Side side) { return (from.sole[side].p - from.com).head<2>().norm(); };
     const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
-    const Side first = straight ? (far(Side::left) > far(Side::right) ? Side::left : Side::right)
-                                : (ahead.y() < 0.0 ? Side::left : Side::right);
+    const Side first =
+        straight ? farther_foot(context, from.com.head<2>()) : (ahead.y() < 0.0 ? Side::left : Side::right);
     // A foot about to lift off comes first; it may still carry the weight, so the other is tried, too.
     const Side best = from.lift_off ? from.lift_off->side : first;
     for (const Side side : {best, other(best)}) {

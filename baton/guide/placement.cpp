@@ -8,8 +8,8 @@
 namespace baton {
 namespace {
 
-constexpr double kGrid = 0.01;       ///< grid spacing of the foothold search, for robots of any size [m]
-constexpr double kFineGrid = 0.002;  ///< the same straight ahead, as most edges lie across [m]
+constexpr double kGrid = 0.04;       ///< largest grid spacing of the foothold search [COM height]
+constexpr double kFineGrid = 0.008;  ///< the same straight ahead, as most edges lie across [COM height]
 constexpr double kRounding = 1e-9;   ///< rounding tolerance at the border of the region [m, rad]
 
 /// Distance of a value outside a range; negative inside.
@@ -18,14 +18,43 @@ double excess(double value, const Range& range) {
 }
 
 /// The range extended to a value.
-Range extended(const Range& range, double value) {
+Range with(const Range& range, double value) {
   return {std::min(range.lo, value), std::max(range.hi, value)};
+}
+
+/// Evenly spaced values over the range, its ends included.
+std::vector<double> spaced(const Range& range, double most) {
+  const auto intervals = std::max(1, static_cast<int>(std::ceil((range.hi - range.lo) / most - kRounding)));
+  std::vector<double> values;
+  for (int i = 0; i <= intervals; ++i)
+    values.push_back(range.lo + (range.hi - range.lo) * i / intervals);
+  return values;
 }
 
 }  // namespace
 
+double Guide::height_above_terrain(const GuideContext& context, Side side) const {
+  const Pose in_world = context.anchor * context.from.sole[side];
+  return in_world.p.z() - world_->highest_under(sole_outline(*robot_, side, in_world));
+}
+
+Guide::FootRegion Guide::foot_region() const {
+  return {robot_->profile().region.foot_x, robot_->profile().region.foot_lateral};
+}
+
+Guide::FootRegion Guide::stride_region() const {
+  const Profile::Region& region = robot_->profile().region;
+  return {{-region.stride, region.stride}, region.foot_lateral};
+}
+
+Guide::FootRegion Guide::extended(FootRegion region, const GuideContext& context, Side side) {
+  const Pose& stance = context.from.sole[other(side)];
+  const Vec3 now = rotation_z(-yaw_of(stance.R)) * (context.from.sole[side].p - stance.p);
+  return {with(region.forward, now.x()), with(region.outward, sign_of(side) * now.y())};
+}
+
 Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
-                              const Range& forward, std::optional<double> edge, bool from_here) const {
+                              const FootRegion& region, std::optional<double> edge) const {
   const Profile& profile = robot_->profile();
   const Part part = foot(side);
   const Pose& stance = context.from.sole[other(side)];
@@ -35,18 +64,11 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
   const double stance_yaw = yaw_of(stance.R);
   const Vec3 relative = rotation_z(-stance_yaw) * (placement.sole.p - stance.p);
   const double lateral = sign_of(side) * relative.y();
-  Range ahead = forward;
-  Range outward = profile.region.foot_lateral;
-  if (from_here) {
-    const Vec3 now = rotation_z(-stance_yaw) * (context.from.sole[side].p - stance.p);
-    ahead = extended(ahead, now.x());
-    outward = extended(outward, sign_of(side) * now.y());
-  }
   const double turned = wrap_angle(yaw - stance_yaw);
-  if (excess(relative.x(), ahead) > kRounding) {
-    placement.refusal = {Reason::foot_region, part, relative.x(), nearest_limit(relative.x(), ahead), "forward"};
-  } else if (excess(lateral, outward) > kRounding) {
-    placement.refusal = {Reason::foot_region, part, lateral, nearest_limit(lateral, outward), "sideways"};
+  if (excess(relative.x(), region.forward) > kRounding) {
+    placement.refusal = {Reason::foot_region, part, relative.x(), region.forward.clamped(relative.x()), "forward"};
+  } else if (excess(lateral, region.outward) > kRounding) {
+    placement.refusal = {Reason::foot_region, part, lateral, region.outward.clamped(lateral), "sideways"};
   } else if (std::abs(turned) > profile.region.foot_yaw + kRounding) {
     placement.refusal = {Reason::foot_yaw, part, std::abs(turned), profile.region.foot_yaw, ""};
   }
@@ -77,23 +99,23 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
 }
 
 Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, const Vec2& at, double yaw,
-                                      const Range& forward, const std::function<bool(const Vec2&)>& serves) const {
-  const Profile::Region& region = robot_->profile().region;
+                                      const FootRegion& region, const std::function<bool(const Vec2&)>& serves) const {
+  const auto& [forward, outward] = region;
   const Pose& stance = context.from.sole[other(side)];
   const double stance_yaw = yaw_of(stance.R);
-  const double turned = std::clamp(wrap_angle(yaw - stance_yaw), -region.foot_yaw, region.foot_yaw);
+  const double most = robot_->profile().region.foot_yaw;
+  const double turned = std::clamp(wrap_angle(yaw - stance_yaw), -most, most);
   const Mat3 from_stance = rotation_z(stance_yaw);
   const Vec3 wish = from_stance.transpose() * (Vec3(at.x(), at.y(), stance.p.z()) - stance.p);
   // Candidates: the wish clamped to the region, a fine line ahead and a coarse grid; nearest first.
-  std::vector<Vec2> places;
-  const double lateral_wish = std::clamp(sign_of(side) * wish.y(), region.foot_lateral.lo, region.foot_lateral.hi);
-  places.emplace_back(std::clamp(wish.x(), forward.lo, forward.hi), sign_of(side) * lateral_wish);
-  for (double x = forward.lo; x <= forward.hi + 1e-9; x += kFineGrid)
-    places.emplace_back(x, places.front().y());
-  for (double x = forward.lo; x <= forward.hi + 1e-9; x += kGrid) {
-    for (double y = region.foot_lateral.lo; y <= region.foot_lateral.hi + 1e-9; y += kGrid) {
+  const double size = robot_->profile().stance.com_height;
+  const double lateral = sign_of(side) * outward.clamped(sign_of(side) * wish.y());
+  std::vector<Vec2> places{{forward.clamped(wish.x()), lateral}};
+  for (const double x : spaced(forward, kFineGrid * size))
+    places.emplace_back(x, lateral);
+  for (const double x : spaced(forward, kGrid * size)) {
+    for (const double y : spaced(outward, kGrid * size))
       places.emplace_back(x, sign_of(side) * y);
-    }
   }
   const Vec2 target = wish.head<2>();
   std::stable_sort(places.begin(), places.end(), [&](const Vec2& a, const Vec2& b) {
@@ -103,7 +125,7 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   for (const Vec2& candidate : places) {
     const Vec3 p = stance.p + from_stance * Vec3(candidate.x(), candidate.y(), 0);
     if (serves && !serves(p.head<2>())) continue;
-    Placement placement = place(context, side, p.head<2>(), stance_yaw + turned, 0.0, forward);
+    Placement placement = place(context, side, p.head<2>(), stance_yaw + turned, 0.0, region);
     if (!placement.refusal) return placement;
     if (!first.refusal) first = placement;
   }

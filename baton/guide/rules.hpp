@@ -16,9 +16,14 @@ struct Guide::Placement {
   std::optional<Refusal> refusal;
 };
 
-inline constexpr double kSamePlace = 1e-3;     ///< places closer than this are the same, for robots of any size [m]
+inline constexpr double kSamePlace = 0.004;    ///< places closer than this are the same [COM height]
 inline constexpr double kSameYaw = 0.01;       ///< headings closer than this are the same [rad]
 inline constexpr double kSameDirection = 0.7;  ///< cosine of the angle below which two directions are the same
+
+/// Least lift of a foot in the air [m]. Just above the ground it would scrape as soon as it lags behind its plan.
+[[nodiscard]] inline double least_lift(const Profile& profile) {
+  return 0.25 * profile.swing.clearance;
+}
 
 /// Attitude without its yaw.
 [[nodiscard]] inline Mat3 inclination(const Mat3& R) {
@@ -30,11 +35,6 @@ inline constexpr double kSameDirection = 0.7;  ///< cosine of the angle below wh
   const double excess = tilt_of(R) - most;
   if (!(excess > 0.0)) return R;
   return rotation_exp(R.col(2).cross(Vec3::UnitZ()).normalized() * excess) * R;
-}
-
-/// The end of the range nearest to a value outside it.
-[[nodiscard]] inline double nearest_limit(double value, const Range& range) {
-  return value < range.lo ? range.lo : range.hi;
 }
 
 }  // namespace baton

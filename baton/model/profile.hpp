@@ -1,6 +1,7 @@
 /// The profile: what a robot needs beyond its model file (docs/robots.md lists every key).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <map>
@@ -14,6 +15,10 @@ namespace baton {
 struct Range {
   double lo = 0.0;
   double hi = 0.0;
+
+  [[nodiscard]] bool contains(double value) const { return lo <= value && value <= hi; }
+  /// The nearest value inside.
+  [[nodiscard]] double clamped(double value) const { return std::clamp(value, lo, hi); }
 };
 
 /// What the joint servos are commanded with.

@@ -8,7 +8,7 @@
 namespace baton {
 namespace {
 
-constexpr int kShrinkings = 3;            ///< scaled-down goals tried
+constexpr int kShrinkings = 3;            ///< bisections of the share of the target
 constexpr std::size_t kAxesTried = 3;     ///< single axes tried when nothing along the direction is feasible
 constexpr double kLeastProgress = 0.05;   ///< least displacement of a shrunk motion, fraction of the part's reach
 constexpr double kEarliestLanding = 0.5;  ///< fraction of the remaining flight after which a foot may land, to stop
@@ -84,11 +84,14 @@ Strategy::Outcome Strategy::follow_or_stop(const Request& request, bool stops) {
 }
 
 Strategy::Outcome Strategy::follow(const Limits& limits, const Request& request) {
-  Outcome whole = resolve(limits, request, guide_.goals(request.start.context, request.command));
-  if (modes_.on_limit == OnLimit::discard || !std::holds_alternative<Refusal>(whole)) return whole;
-  std::optional<PlannedMotion> part = shrunk(limits, request, std::get<Refusal>(whole));
+  const GuideContext& context = request.start.context;
+  Outcome whole = resolve(limits, request, guide_.goals(context, request.command));
+  const auto* refusal = std::get_if<Refusal>(&whole);
+  const std::optional<Target> target = guide_.target(context, request.command);
+  if (modes_.on_limit == OnLimit::discard || refusal == nullptr || !target) return whole;
+  std::optional<PlannedMotion> part = shrunk(limits, request, *target, *refusal);
   if (!part) return whole;
-  part->limit = std::get<Refusal>(std::move(whole));
+  part->limit = *refusal;
   return *std::move(part);
 }
 
@@ -161,7 +164,7 @@ Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goa
   std::vector<Posture> starts{request.start.posture};
   if (request.start.posture.flight) {  // the foot may also land earlier than planned
     Flight& flight = *starts.emplace_back(request.start.posture).flight;
-    const double remaining = std::max(kLeastFlight, kEarliestLanding * flight.remaining);
+    const double remaining = std::max(least_flight(robot_->profile()), kEarliestLanding * flight.remaining);
     flight.to_apex *= remaining / flight.remaining;
     flight.remaining = remaining;
   }
@@ -186,51 +189,41 @@ Strategy::Outcome Strategy::halt(const Request& request, const Halt& rest) {
   return outcome_of(planner_.halt(start.posture, *start.trail, rest, start.context.anchor, normal_));
 }
 
-std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Request& request, const Refusal& against) {
-  const Posture& from = request.start.context.from;
-  const Command& command = request.command;
-  const bool both_stand = from.contact.left && from.contact.right;
-  if (request.command.recall != Recall::none ||
-      (!both_stand && (!is_foot(command.guide) || from.contact[side_of(command.guide)])))
-    return std::nullopt;
+std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Request& request, const Target& whole,
+                                              const Refusal& against) {
+  const GuideContext& context = request.start.context;
   std::optional<PlannedMotion> best;
-  const auto accepted = [&](Outcome outcome) {
+  const auto accepted = [&](GuideResult goals) {
+    Outcome outcome = resolve(limits, request, std::move(goals));
     auto* planned = std::get_if<PlannedMotion>(&outcome);
-    const bool better = planned != nullptr && worth(from, *planned->motion);
+    const bool better = planned != nullptr && worth(context.from, *planned->motion);
     if (better) best = std::move(*planned);
     return better;
   };
-  const auto tried = [&](const Command& candidate) {
-    return accepted(resolve(limits, request, guide_.goals(request.start.context, candidate)));
-  };
+  const auto tried = [&](const Target& target) { return accepted(guide_.goals(context, target)); };
   double done = 0.0;
   double refused = 1.0;
   for (int k = 0; k < kShrinkings; ++k) {
     const double share = 0.5 * (done + refused);
-    (tried(guide_.shortened(request.start.context, command, share)) ? done : refused) = share;
+    (tried(guide_.part_of(context, whole, share)) ? done : refused) = share;
   }
   if (best) return best;
   // Nothing along the direction is feasible, so try along the limit: a foot to the border of its region, or any part by
   // its largest axis alone, then the next.
-  if (is_foot(command.guide)) {
-    const Command within = guide_.within_region(request.start.context, command);
-    if (within.axes.head<2>().dot(command.axes.head<2>()) > 0.0 && tried(within)) return best;
+  if (is_foot(whole.part)) {
+    const Target within = guide_.within_region(context, whole);
+    if (within.move.head<2>().dot(whole.move.head<2>()) > 0.0 && tried(within)) return best;
     const bool edge = against.reason == Reason::ground;
-    const bool too_far = against.reason == Reason::foot_region && against.where == "forward";
-    if (edge && accepted(resolve(limits, request, guide_.nearest_step(request.start.context, command)))) return best;
-    if ((edge || too_far) &&
-        accepted(resolve(limits, request, guide_.other_foot_first(request.start.context, command))))
-      return best;
+    // A foot that would come too near to the other is not followed: their sides stay as they are.
+    const bool too_near = against.where == "sideways" && against.value < against.limit;
+    const bool too_far = against.reason == Reason::foot_region && !too_near;
+    if (edge && accepted(guide_.nearest_step(context, whole))) return best;
+    if ((edge || too_far) && accepted(guide_.other_foot_first(context, whole))) return best;
   }
-  std::vector<int> axes = guide_.axes_of(command.guide);
-  std::stable_sort(axes.begin(), axes.end(),
-                   [&](int a, int b) { return std::abs(command.axes[a]) > std::abs(command.axes[b]); });
-  axes.resize(std::min(axes.size(), kAxesTried));
-  for (const int axis : axes) {
-    Command one = command;
-    one.axes.setZero();
-    one.axes[axis] = command.axes[axis];
-    if (one.axes[axis] != 0.0 && tried(one)) return best;
+  std::vector<Target> singles = guide_.single_axes(whole);
+  singles.resize(std::min(singles.size(), kAxesTried));
+  for (const Target& single : singles) {
+    if (tried(single)) return best;
   }
   return std::nullopt;
 }

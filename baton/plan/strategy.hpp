@@ -34,9 +34,9 @@ class Strategy {
   [[nodiscard]] Outcome quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
   /// Stops at a planned rest on the trail.
   [[nodiscard]] Outcome halt(const Request& request, const Halt& rest);
-  /// A shrunk motion that goes part of the way, if one worth executing is found in a few tries.
-  /// @param against refusal of the whole request
-  [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request,
+  /// A motion that goes part of the way to a refused target, if one worth executing is found in a few tries.
+  /// @param against refusal of the whole target
+  [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request, const Target& whole,
                                                     const Refusal& against);
   /// Whether the motion moves the guided part far enough to be worth executing.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;

@@ -194,29 +194,88 @@ TEST_P(GuideTest, AFootIsBroughtIntoItsRegion) {
     Command command = push(foot(side), 0, unit(random));
     command.axes[1] = unit(random);
     command.axes[5] = 0.2 * unit(random);
-    const Command within = guide.within_region(context, command);
-    EXPECT_EQ(within.axes[5], command.axes[5]);
-    const GuideResult asked = guide.goals(context, command);
-    if (!refused_for(asked, Reason::foot_region)) {
-      EXPECT_TRUE(within.axes.isApprox(command.axes, 1e-9));
+    const Target target = *guide.target(context, command);
+    const Target within = guide.within_region(context, target);
+    EXPECT_EQ(within.move[5], target.move[5]);
+    if (!refused_for(guide.goals(context, target), Reason::foot_region)) {
+      EXPECT_TRUE(within.move.isApprox(target.move, 1e-9));
       ++inside;
-    } else if (within.axes.cwiseAbs().maxCoeff() <= 1.0) {
-      const GuideResult result = guide.goals(context, within);
-      EXPECT_FALSE(refused_for(result, Reason::foot_region));
-      if (const auto* goals = std::get_if<std::vector<Goal>>(&result)) {
-        // On the border of the region, as near to what was asked for as it goes.
-        const Pose relative = context.from.sole[other(side)].inverse() * goals->front().sole[side];
-        const double outward = sign_of(side) * relative.p.y();
-        const double off =
-            std::min({std::abs(relative.p.x() - region.foot_x.lo), std::abs(relative.p.x() - region.foot_x.hi),
-                      std::abs(outward - region.foot_lateral.lo), std::abs(outward - region.foot_lateral.hi)});
-        EXPECT_LT(off, 1e-9);
-        ++brought;
-      }
+      continue;
     }
+    const GuideResult result = guide.goals(context, within);
+    EXPECT_FALSE(refused_for(result, Reason::foot_region));
+    const auto* goals = std::get_if<std::vector<Goal>>(&result);
+    if (goals == nullptr) continue;
+    // On the border of the region, as near to what was asked for as it goes.
+    const Pose relative = context.from.sole[other(side)].inverse() * goals->front().sole[side];
+    const double outward = sign_of(side) * relative.p.y();
+    const double off =
+        std::min({std::abs(relative.p.x() - region.foot_x.lo), std::abs(relative.p.x() - region.foot_x.hi),
+                  std::abs(outward - region.foot_lateral.lo), std::abs(outward - region.foot_lateral.hi)});
+    EXPECT_LT(off, 1e-9);
+    ++brought;
   }
   EXPECT_GT(inside, 500);
   EXPECT_GT(brought, 100);
+}
+
+TEST_P(GuideTest, PartsOfATargetLieOnTheWayToIt) {
+  const Guide guide(robot_, flat());
+  const Profile& profile = robot_.profile();
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::array<int, kParts.size()> seen{};
+  for (int trial = 0; trial < 3000; ++trial) {
+    GuideContext context = this->context(random_stance(random));
+    Command command = test::random_command(random);
+    if (is_foot(command.guide) && random() % 2 == 0) {
+      context.from.contact[side_of(command.guide)] = false;
+      context.from.sole[side_of(command.guide)].p.z() += unit(random) * profile.swing.lift;
+    }
+    const std::optional<Target> whole = guide.target(context, command);
+    if (!whole) continue;
+    ++seen.at(static_cast<std::size_t>(whole->part));
+    ASSERT_EQ(whole->part, command.guide);
+    const double share = 0.05 + 0.9 * unit(random);
+    const Target part = guide.part_of(context, *whole, share);
+    EXPECT_LT((part.move - share * whole->move).norm(), 1e-12);
+    EXPECT_EQ(part.lift > 0.0, whole->lift > 0.0) << "a foot that is to land does not stay in the air, nor the reverse";
+    if (whole->lift > 0.0) {
+      const double now = context.from.sole[side_of(command.guide)].p.z();
+      EXPECT_NEAR(part.lift, std::max(now + share * (whole->lift - now), 0.25 * profile.swing.clearance), 1e-9);
+    }
+    Vec6 sum = Vec6::Zero();
+    double last = std::numeric_limits<double>::infinity();
+    for (const Target& single : guide.single_axes(*whole)) {
+      EXPECT_EQ((single.move.array() != 0.0).count(), 1);
+      EXPECT_EQ(single.lift, whole->lift);
+      const double deflection = single.move.head<3>().norm() / (is_foot(single.part)   ? profile.reach.foot
+                                                                : is_hand(single.part) ? profile.reach.hand
+                                                                                       : profile.reach.trunk) +
+                                single.move.tail<3>().norm() / profile.reach.rotation;
+      EXPECT_LE(deflection, last + 1e-12) << "the largest first";
+      last = deflection;
+      sum += single.move;
+    }
+    EXPECT_LT((sum - whole->move).norm(), 1e-6);
+  }
+  for (const int count : seen)
+    EXPECT_GT(count, 100);
+}
+
+TEST_P(GuideTest, APushStraightAheadIsCaughtByTheFootThatDidNotStepLast) {
+  const Guide guide(robot_, flat());
+  const double size = robot_.profile().stance.com_height;
+  for (const double ahead : {-0.3, 0.3}) {
+    for (const Side last : kSides) {
+      GuideContext context = at_home();
+      context.last_step = last;
+      context.from.com.head<2>() = 0.5 * (context.from.sole.left.p + context.from.sole.right.p).head<2>();
+      EXPECT_EQ(*first(guide.catches(context, {ahead * size, 0.0})).swing, other(last));
+      context.from.com.y() += 0.02 * size;  // the right foot carries less
+      EXPECT_EQ(*first(guide.catches(context, {ahead * size, 0.0})).swing, Side::right);
+    }
+  }
 }
 
 TEST_P(GuideTest, AStepCatchesTheRobotWhereOneCan) {

@@ -80,12 +80,11 @@ class MirrorTest : public testing::TestWithParam<std::string> {
     }
   }
 
-  static void expect_mirrored(const Command& command, const Command& mirrored) {
-    const Command other = Mirror::of(command);
-    EXPECT_EQ(mirrored.guide, other.guide);
-    EXPECT_LE((mirrored.axes - other.axes).norm(), kGoal);
-    EXPECT_NEAR(mirrored.lift.left, other.lift.left, kGoal);
-    EXPECT_NEAR(mirrored.lift.right, other.lift.right, kGoal);
+  static void expect_mirrored(const Target& target, const Target& mirrored) {
+    const Target other = Mirror::of(target);
+    EXPECT_EQ(mirrored.part, other.part);
+    EXPECT_LE((mirrored.move - other.move).norm(), kGoal);
+    EXPECT_NEAR(mirrored.lift, other.lift, kGoal);
   }
 
   static void expect_mirrored(const Certificate& certificate, const Certificate& mirrored) {
@@ -245,11 +244,23 @@ TEST_P(MirrorTest, TheRulesGiveTheMirroredGoalsInTheSameOrder) {
     const GuideResult goals = guide_.goals(context, command);
     ++seen.at(goals.index());
     expect_mirrored(goals, guide_.goals(mirrored, other));
-    expect_mirrored(guide_.shortened(context, command, 0.5), guide_.shortened(mirrored, other, 0.5));
-    if (is_foot(command.guide)) {
-      expect_mirrored(guide_.within_region(context, command), guide_.within_region(mirrored, other));
-      expect_mirrored(guide_.nearest_step(context, command), guide_.nearest_step(mirrored, other));
-      expect_mirrored(guide_.other_foot_first(context, command), guide_.other_foot_first(mirrored, other));
+    const std::optional<Target> whole = guide_.target(context, command);
+    const std::optional<Target> opposite = guide_.target(mirrored, other);
+    ASSERT_EQ(opposite.has_value(), whole.has_value());
+    if (whole) {
+      const Target& whole_mirrored = *opposite;
+      expect_mirrored(*whole, whole_mirrored);
+      expect_mirrored(guide_.part_of(context, *whole, 0.5), guide_.part_of(mirrored, whole_mirrored, 0.5));
+      const std::vector<Target> singles = guide_.single_axes(*whole);
+      const std::vector<Target> singles_mirrored = guide_.single_axes(whole_mirrored);
+      ASSERT_EQ(singles_mirrored.size(), singles.size());
+      for (std::size_t i = 0; i < singles.size(); ++i)
+        expect_mirrored(singles[i], singles_mirrored[i]);
+      if (is_foot(command.guide)) {
+        expect_mirrored(guide_.within_region(context, *whole), guide_.within_region(mirrored, whole_mirrored));
+        expect_mirrored(guide_.nearest_step(context, *whole), guide_.nearest_step(mirrored, whole_mirrored));
+        expect_mirrored(guide_.other_foot_first(context, *whole), guide_.other_foot_first(mirrored, whole_mirrored));
+      }
     }
     for (const Side side : kSides) {
       if (!context.from.contact[side])

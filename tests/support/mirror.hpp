@@ -97,6 +97,12 @@ class Mirror {
   [[nodiscard]] static GuideContext::Step of(const GuideContext::Step& s) { return {of(s.side), of(s.to)}; }
   [[nodiscard]] static SwingArc of(const SwingArc& s) { return {of(s.lift_off), s.apex_t, s.apex}; }
 
+  [[nodiscard]] static Target of(const Target& target) {
+    Target mirrored{.part = of(target.part), .move = target.move, .lift = target.lift};
+    for (const int axis : {1, 3, 5})
+      mirrored.move[axis] *= -1.0;
+    return mirrored;
+  }
   [[nodiscard]] static Command of(const Command& command) {
     Command result = command;
     result.guide = of(command.guide);
