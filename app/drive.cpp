@@ -133,7 +133,7 @@ int drive(const DriveOptions& o) {
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
-      session.step(Command{});  // the plan is cleared and the motors go soft, visible in the last row
+      session.step(Command{});  // the fall is seen in the last row
       break;
     }
     if (!o.fast) {

@@ -41,7 +41,6 @@ int replay(const ReplayOptions& o) {
   };
   while (const std::optional<RecordedTick> tick = recording.next(robot.nv() - 6)) {
     if (interrupted) return differs("interrupted");
-    if (tick->fallen) navigator.fall();
     const JointTarget& target = navigator.tick(tick->measurement, tick->command);
     if (o.verify && !(same_bits(target.q, tick->target) && checksum(target) == tick->checksum)) {
       return differs("the joint targets differ from the recorded ones");

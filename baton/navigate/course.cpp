@@ -11,7 +11,7 @@
 namespace baton {
 namespace {
 
-constexpr double kSettles = 3.0;  ///< rate at which the planning frame follows the soles [1/s]
+constexpr double kSettles = 0.5;  ///< rate at which the planning frame follows the soles [ω]
 
 Course::Rest rest_at(const RobotModel& robot, const Posture& posture) {
   return {std::make_shared<const Posture>(posture), std::make_shared<const MotionSample>(resting(robot, posture))};
@@ -72,7 +72,7 @@ void Course::settle(const Pose& slid) {
   const double yaw = yaw_of(slid.R);
   const double in_place = kInPlace * robot_->profile().stance.com_height;
   if (distance_at(slid, {}, sample_->com) < in_place && std::abs(yaw) < kInPlace) return;
-  const double share = std::min(1.0, kSettles * robot_->profile().tick.period);
+  const double share = std::min(1.0, kSettles * robot_->omega() * robot_->profile().tick.period);
   anchor_ = anchor_ * Pose{share * slid.p, rotation_z(share * yaw)};
 }
 

@@ -11,8 +11,8 @@
 namespace baton {
 namespace {
 
-constexpr double kSameHold = 1e-3;      ///< displacement up to which a refusal holds [m]
-constexpr double kReplacing = 0.1;      ///< time between two replacements of a motion on its way [s]
+constexpr double kSameHold = 4e-3;      ///< displacement up to which a refusal holds [COM height]
+constexpr double kReplacing = 0.1;      ///< time between two replacements of a motion on its way, for any robot [s]
 constexpr double kNearEdges = 2.0;      ///< distance of edges that soles may meet [largest distance of the feet]
 constexpr double kSlipByEdges = 0.5;    ///< displacement there at which a way back is ended [margin to edges]
 constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capture step leaves
@@ -104,7 +104,8 @@ std::optional<Request> Requests::due() const {
 bool Requests::refused_here(const Pose& anchor) const {
   if (motion_ != nullptr) return false;
   const LastRefusal& refused = now_.refused;
-  const bool same_place = distance_at(anchor, refused.anchor, course_.sample().com) < kSameHold;
+  const bool same_place =
+      distance_at(anchor, refused.anchor, course_.sample().com) < kSameHold * profile_.stance.com_height;
   return (refused.refusal && refused.at_rest && same_place) || now_.tick < refused.retry_at;
 }
 
@@ -291,7 +292,7 @@ bool Requests::replaceable(int at) const {
   if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period)) return false;
   const int lift_off = motion_->phases.front().ticks;
   const int change = at < lift_off ? lift_off : last_phase;
-  if (swings && at < change && (change - at) * profile_.tick.period < kLeastFlight) return false;
+  if (swings && at < change && (change - at) * profile_.tick.period < least_flight(profile_)) return false;
   // A stick that is let go of, a lever as it was: what is under way serves.
   if (command.axes.isZero(0.0) && !lever_moved(command, now_.exchange.answered)) return false;
   return at > goes_on || differs(command, now_.exchange.answered);
@@ -313,7 +314,7 @@ std::optional<Flight> Requests::flight(int at) const {
   const double period = profile_.tick.period;
   const Side up = sample.contact.left ? Side::right : Side::left;
   const int arrives = motion_->goal.contact[up] ? motion_->last_phase() : motion_->ticks();
-  const double left = std::max((arrives - at) * period, kLeastFlight);
+  const double left = std::max((arrives - at) * period, least_flight(profile_));
   return Flight{up, motion_->swing.lift_off, left, motion_->swing.apex_t - at * period, motion_->swing.apex};
 }
 

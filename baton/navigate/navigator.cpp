@@ -9,7 +9,7 @@
 namespace baton {
 namespace {
 
-constexpr double kPatience = 0.05;  ///< time from a refusal at rest to the next request [s]
+constexpr double kPatience = 0.05;  ///< time from a refusal at rest to the next request, for any robot [s]
 constexpr int kMostLate = 5;        ///< doublings of the lookahead at rest, when answers come too late
 
 /// Whether an answer is taken over in spite of a push or a centred stick.
@@ -168,11 +168,6 @@ void Navigator::refuse(const std::shared_ptr<const Answer>& answer) {
 
 void Navigator::drop_refusal() {
   retired_.keep(std::exchange(refused_.refusal, nullptr));
-}
-
-void Navigator::fall() {
-  watch_.fall();
-  drop_plan();
 }
 
 void Navigator::drop_plan() {

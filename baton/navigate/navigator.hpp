@@ -60,9 +60,6 @@ class Navigator {
   /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
   void answer(Answer answer);
 
-  /// Clears the plan, as after a fall: nothing planned may be executed then, and the motors go soft.
-  void fall();
-
   /// What has happened since the tick before the newest, until the end of the newest, in its order.
   [[nodiscard]] std::span<const Event> events() const { return events_.list(); }
 

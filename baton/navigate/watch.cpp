@@ -15,12 +15,12 @@ constexpr double kFallenTilt = 0.8;    ///< inclination of the trunk from which 
 constexpr double kFallenHeight = 0.5;  ///< height of the COM below which it is [nominal]
 constexpr double kLifted = 0.1;        ///< load of the soles below which the robot is held by someone [weight]
 constexpr double kStands = 0.5;        ///< load from which it stands again [weight]
-constexpr double kLifting = 0.15;      ///< time for which that has to last [s]
-constexpr double kStill = 1.0;         ///< time for which a robot that was stood up has to be still [s]
-constexpr double kStillSpeed = 0.1;    ///< and its COM slower than this [COM heights/s]
+constexpr double kLifting = 0.9;       ///< time for which that has to last [1/ω]
+constexpr double kStill = 6.0;         ///< time for which a robot that was stood up has to be still [1/ω]
+constexpr double kStillSpeed = 0.016;  ///< and its COM slower than this [COM height × ω]
 constexpr double kCarries = 0.2;       ///< load of a sole that carries [weight]
 constexpr double kUneven = 0.015;      ///< inclination from which the ground is not what the map says [rad]
-constexpr double kForgets = 10.0;      ///< time constant with which that is forgotten [s]
+constexpr double kForgets = 60.0;      ///< time constant with which that is forgotten [1/ω]
 
 }  // namespace
 
@@ -50,13 +50,14 @@ void Watch::update_guard(bool centred) {
   const BySide<double>& load = odometry_.load();
   const double carried = (load.left + load.right) / (robot_->mass() * kGravity);
   const double lower = std::min(state_->sole.left.p.z(), state_->sole.right.p.z());
-  const auto lasts = [this](bool condition, double seconds) {
+  const auto lasts = [this](bool condition, double time) {
     guard_ticks_ = condition ? guard_ticks_ + 1 : 0;
-    return guard_ticks_ * robot_->profile().tick.period >= seconds;
+    return guard_ticks_ * robot_->profile().tick.period * robot_->omega() >= time;
   };
   switch (guard_) {
     case Guard::armed:
-      if (tilt_of(state_->trunk) > kFallenTilt || state_->com.z() - lower < kFallenHeight * height) return fall();
+      // Negated, so that an estimate that is not a number counts as a fall.
+      if (!(tilt_of(state_->trunk) <= kFallenTilt && state_->com.z() - lower >= kFallenHeight * height)) return fall();
       if (lasts(carried < kLifted, kLifting)) guard_ = Guard::lifted;
       break;
     case Guard::lifted:
@@ -103,7 +104,7 @@ void Watch::update_slip(const MotionSample& planned, const Pose& anchor) {
 }
 
 void Watch::update_inclination(const MotionSample& planned) {
-  inclination_ *= 1.0 - robot_->profile().tick.period / kForgets;
+  inclination_ *= 1.0 - robot_->omega() * robot_->profile().tick.period / kForgets;
   const double carries = kCarries * robot_->mass() * kGravity;
   for (const Side side : kSides) {
     if (!planned.contact[side] || odometry_.load()[side] < carries) continue;
@@ -139,7 +140,7 @@ bool Watch::stands_upright() const {
   const Profile& profile = robot_->profile();
   const double weight = robot_->mass() * kGravity;
   bool stands = tilt_of(state_->trunk) < profile.region.trunk_inclination &&
-                state_->dcom.norm() < kStillSpeed * profile.stance.com_height;
+                state_->dcom.norm() < kStillSpeed * robot_->omega() * profile.stance.com_height;
   for (const Side side : kSides)
     stands = stands && odometry_.load()[side] > kCarries * weight && tilt_of(state_->sole[side].R) < kFlatSole;
   return stands;

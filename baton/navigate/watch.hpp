@@ -34,8 +34,6 @@ class Watch {
   /// @param centred the stick is
   void judge(const MotionSample& planned, const Pose& anchor, bool centred);
 
-  /// The robot has fallen: motors are soft from now on.
-  void fall();
   /// The robot stands again and may be moved.
   void arm();
 
@@ -67,6 +65,7 @@ class Watch {
 
  private:
   void update_guard(bool centred);
+  void fall();
   void update_disturbed(const MotionSample& planned, const Pose& anchor);
   void update_slip(const MotionSample& planned, const Pose& anchor);
   void update_inclination(const MotionSample& planned);

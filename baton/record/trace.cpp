@@ -35,15 +35,15 @@ void Trace::on_tick(const TickRecord& record) {
   const Vec3 com_plan = anchor * plan.com;
   const Vec3 zmp_plan = anchor * Vec3(plan.zmp.x(), plan.zmp.y(), plan.zmp_height);
 
+  const Truth* truth = record.truth;
+  const Phase phase = truth != nullptr && truth->fallen ? Phase::fallen : nav.phase();
   fmt::memory_buffer row;
   const auto to = std::back_inserter(row);
-  fmt::format_to(to, "{:.6f},{},{},{}", record.t, to_string(nav.command().guide), nav.segment(),
-                 to_string(nav.phase()));
+  fmt::format_to(to, "{:.6f},{},{},{}", record.t, to_string(nav.command().guide), nav.segment(), to_string(phase));
   const auto numbers = [&](const auto& values) {
     for (const double value : values)
       fmt::format_to(to, ",{:.10g}", value);
   };
-  const Truth* truth = record.truth;
   const auto seen = [&](Eigen::Index count, const auto& values) {
     numbers(truth != nullptr ? VecX(values()) : VecX::Constant(count, std::numeric_limits<double>::quiet_NaN()));
   };

@@ -33,7 +33,6 @@ void Session::reset() {
 
 void Session::step(const Command& command) {
   const Measurement measurement = robot_->read();
-  if (fallen()) navigator_->fall();
   const double before = cpu_us();
   const JointTarget& target = navigator_->tick(measurement, command);
   const TickRecord record{t(), *navigator_, measurement, truth(), target, cpu_us() - before};

@@ -46,7 +46,8 @@ class Session {
 
   [[nodiscard]] double t() const { return static_cast<double>(ticks_) * model_->profile().tick.period; }
   [[nodiscard]] bool resting() const { return navigator_->motion() == nullptr; }
-  /// Whether the robot's truth reports a fall. Always false without truth; see Navigator::guard().
+  /// Whether the robot's truth reports a fall, which ends a run but does not steer: the navigator detects falls by
+  /// itself (Navigator::guard()). Always false without truth.
   [[nodiscard]] bool fallen() const { return truth() != nullptr && truth()->fallen; }
   [[nodiscard]] const RobotModel& model() const { return *model_; }
   [[nodiscard]] const World& world() const { return *world_; }

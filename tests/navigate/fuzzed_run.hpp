@@ -85,7 +85,6 @@ class FuzzedRun {
     Navigator again(robot_, world_, home_, modes_.gait, source_);
     Strategy planning(robot_, world_, modes_);
     for (const Tick& tick : ticks_) {
-      if (tick.fall) again.fall();
       ASSERT_EQ(checksum(again.tick(tick.measurement, tick.command)), tick.checksum) << "tick " << again.now();
       again.poll();
       for (const Event& event : tick.events) {
@@ -128,7 +127,7 @@ class FuzzedRun {
     return command;
   }
 
-  enum class Trouble { none, pushed, slips, lifted, tipped, fallen_by_truth };
+  enum class Trouble { none, pushed, slips, lifted, tipped };
 
   /// A request, or an answer that comes in.
   struct Event {
@@ -140,7 +139,6 @@ class FuzzedRun {
   struct Tick {
     Measurement measurement;
     Command command;
-    bool fall = false;
     std::vector<Event> events;  ///< after it
     std::string checksum;
   };
@@ -161,10 +159,8 @@ class FuzzedRun {
     tick.measurement = body_.read();
     spoil(tick.measurement);
     tick.command = command;
-    tick.fall = trouble_ == Trouble::fallen_by_truth && ticks_left_ == 1;
     stopped_since_ask_ = stopped_since_ask_ || command.recall == Recall::stop;
     const Before before = now();
-    if (tick.fall) navigator_.fall();
     on_tick(true);
     const JointTarget& target = navigator_.tick(tick.measurement, command);
     on_tick(false);
@@ -199,12 +195,9 @@ class FuzzedRun {
     } else if (kind < 88) {
       trouble_ = Trouble::lifted;
       ticks_left_ = ticks(0.05, 1.0);
-    } else if (kind < 97) {
+    } else {
       trouble_ = Trouble::tipped;
       ticks_left_ = ticks(0.01, 0.5);
-    } else {
-      trouble_ = Trouble::fallen_by_truth;
-      ticks_left_ = 1;
     }
   }
 
@@ -216,7 +209,6 @@ class FuzzedRun {
     if (perfect) m.root->pose.p += slid_ + (trouble_ == Trouble::slips ? slide_ : Vec3::Zero());
     switch (trouble_) {
       case Trouble::none:
-      case Trouble::fallen_by_truth:
         break;
       case Trouble::pushed:
         if (perfect) {
@@ -344,7 +336,7 @@ class FuzzedRun {
     if (guard != before.guard) {
       tally_.lifts += guard == Guard::lifted ? 1 : 0;
       tally_.falls += guard == Guard::fallen && before.guard != Guard::stood_up ? 1 : 0;
-      if (guard == Guard::armed && !tick.fall) {
+      if (guard == Guard::armed) {
         // What arms a robot again is a stick that is let go of; after a fall, in `poll` of the tick before.
         ASSERT_EQ(before.guard, Guard::lifted) << k;
         ASSERT_TRUE(tick.command.neutral()) << k;
