@@ -6,10 +6,10 @@
 namespace baton {
 namespace {
 
-// Lengths are in COM heights, forces in weights. Rates and times are the same for robots of any size.
+// Lengths are in COM heights, forces in weights, rates in ω, times in 1/ω.
 constexpr double kContactLoad = 0.05;    ///< least load of a sole in contact
 constexpr double kExpectedLoad = 0.1;    ///< least planned load from which a contact is expected
-constexpr double kMissedTime = 0.0175;   ///< time without an expected contact after which a sole searches downward [s]
+constexpr double kMissedTime = 0.107;    ///< time without an expected contact after which a sole searches downward
 constexpr double kFullLoad = 0.3;        ///< load from which a sole is followed at the full rate
 constexpr double kFlatMargin = 0.03;     ///< least margin of the centre of pressure inside a sole that is flat
 constexpr double kPlaceBand = 4e-4;      ///< dead band of the position error
@@ -17,14 +17,15 @@ constexpr double kTiltBand = 1e-3;       ///< dead band of the tilt error [rad]
 constexpr double kMaxHeight = 0.045;     ///< bound of the vertical offset
 constexpr double kMaxPlace = 0.1;        ///< bound of the horizontal offset
 constexpr double kMaxTurn = 0.2;         ///< bound of the offset in tilt and yaw [rad]
-constexpr double kTippingTime = 0.03;    ///< time after which an excess moment in one direction means tipping [s]
+constexpr double kTippingTime = 0.18;    ///< time after which an excess moment in one direction means tipping
 constexpr double kMaxTippingGain = 4.0;  ///< largest factor on compliance with excess moment while tipping
-constexpr double kAirRate = 10.0;        ///< decay of the offset in the air [1/s]
-constexpr double kFloorRate = 0.3;       ///< low-pass of the terrain's tilt [1/s]
-constexpr double kDamping = 1e-6;        ///< of the legs' kinematics, added to half of the squared error [m², rad²]
-constexpr int kMaxSteps = 4;             ///< of the legs' kinematics
-constexpr double kMaxJointStep = 0.3;    ///< in one step; near a straight leg it would be arbitrary [rad]
-constexpr double kConverged = 1e-6;      ///< error of the legs' kinematics that needs no further step [m, rad]
+constexpr double kAirRate = 1.6;         ///< decay of the offset in the air
+constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
+// The legs' kinematics, a numerical iteration:
+constexpr double kDamping = 1e-6;      ///< added to half of the squared error [m², rad²]
+constexpr int kMaxSteps = 4;           ///< iterations
+constexpr double kMaxJointStep = 0.3;  ///< in one iteration; near a straight leg it would be arbitrary [rad]
+constexpr double kConverged = 1e-6;    ///< error at which it ends [m, rad]
 
 /// The part of v beyond a dead band.
 template <typename Vector>
@@ -44,11 +45,11 @@ Footing::Rates Footing::rates_for(Drive drive) {
   // A stiff drive takes no torque: foot admittance is the only means of balance.
   rates.relax = 0.0;
   rates.untwist = 0.0;
-  rates.height = 3.0;
-  rates.tilt = 3.0;
-  rates.yield_tilt = 3.0;
-  rates.yield_height = 0.1;
-  rates.yield_early = 1.0;
+  rates.height = 0.5;
+  rates.tilt = 0.5;
+  rates.yield_tilt = 0.5;
+  rates.yield_height = 0.016;
+  rates.yield_early = 0.16;
   rates.early_gain = 1.0;
   rates.moment_band = 0.0;
   rates.force_band = 0.0;
@@ -58,7 +59,7 @@ Footing::Rates Footing::rates_for(Drive drive) {
 Footing::Footing(const RobotModel& robot)
     : robot_(&robot),
       rates_(rates_for(robot.profile().drive)),
-      period_(robot.profile().tick.period),
+      period_(robot.omega() * robot.profile().tick.period),
       height_(robot.profile().stance.com_height),
       weight_(robot.mass() * kGravity),
       rows_(6, robot.nv()),

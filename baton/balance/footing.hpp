@@ -31,24 +31,24 @@ class Footing {
   [[nodiscard]] const BySide<Offset>& offset() const { return offset_; }
 
  private:
-  /// Rates [1/s] are the same for robots of any size; other quantities scale with COM height and weight.
+  /// Gains and rates [ω]; lengths in COM heights and forces in weights, unless noted.
   struct Rates {
-    double height = 15.0;        ///< height of a loaded sole
-    double height_early = 30.0;  ///< the same after early touchdown
-    double early_gain = 0.0;     ///< least factor on the rates after early touchdown, however small the load [-]
-    double late = 0.6;           ///< downward search speed while an expected contact is missing [COM heights/s]
-    double place = 8.0;          ///< horizontal position of a loaded sole
-    double tilt = 8.0;           ///< tilt of a loaded sole
-    double relax = 1.0;          ///< compliance with internal force between the legs [COM heights/s per weight]
-    double untwist = 2.0;        ///< the same with internal yaw moment [rad/s per weight × COM height]
-    double yield_tilt = 8.0;     ///< compliance with excess moment [rad/s per weight × COM height]
-    double yield_height = 0.2;   ///< compliance with excess vertical force [COM heights/s per weight]
-    double yield_early = 0.2;    ///< the same after early touchdown: landing compliance
-    double moment_band = 0.04;   ///< dead band of excess moment, as error of the centre of pressure [COM height]
-    double force_band = 0.1;     ///< dead band of excess force [weight]
+    double height = 2.4;          ///< height of a loaded sole
+    double height_early = 4.9;    ///< the same after early touchdown
+    double early_gain = 0.0;      ///< least factor on the rates after early touchdown, however small the load [-]
+    double late = 0.1;            ///< downward search speed while an expected contact is missing [COM height × ω]
+    double place = 1.3;           ///< horizontal position of a loaded sole
+    double tilt = 1.3;            ///< tilt of a loaded sole
+    double relax = 0.16;          ///< compliance with internal force between the legs [COM height × ω per weight]
+    double untwist = 0.33;        ///< the same with internal yaw moment [ω per weight × COM height]
+    double yield_tilt = 1.3;      ///< compliance with excess moment [ω per weight × COM height]
+    double yield_height = 0.033;  ///< compliance with excess vertical force [COM height × ω per weight]
+    double yield_early = 0.033;   ///< the same after early touchdown: landing compliance
+    double moment_band = 0.04;    ///< dead band of excess moment, as error of the centre of pressure [COM height]
+    double force_band = 0.1;      ///< dead band of excess force [weight]
   };
   [[nodiscard]] static Rates rates_for(Drive drive);
-  /// Fraction of an error that is corrected in one tick.
+  /// Fraction of an error that is corrected in one tick, for a rate in ω.
   [[nodiscard]] double share_of(double rate) const { return std::min(1.0, period_ * rate); }
   /// Updates the offset of a sole that is loaded.
   /// @param carries gain by the load, 0…1
@@ -74,7 +74,7 @@ class Footing {
 
   const RobotModel* robot_;
   Rates rates_;
-  double period_;
+  double period_;  ///< [1/ω]
   double height_;  ///< nominal COM height [m]
   double weight_;  ///< [N]
   JacobianRows rows_;

@@ -6,9 +6,8 @@
 namespace baton {
 namespace {
 
-// Rates are the same for robots of any size.
-constexpr double kVelocityRate = 20.0;  ///< at which the velocity follows that of the soles in contact [1/s]
-constexpr double kFootholdRate = 10.0;  ///< at which the foothold of a sole with no load follows the sole [1/s]
+constexpr double kVelocityRate = 3.3;  ///< at which the velocity follows that of the soles in contact [ω]
+constexpr double kFootholdRate = 1.6;  ///< at which the foothold of a sole with no load follows the sole [ω]
 
 }  // namespace
 
@@ -42,12 +41,14 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
       velocity -= share(side) * velocity_from_root[side];
     }
     place_ = place;
-    velocity_ += first ? Vec3(velocity - velocity_) : Vec3(period_ * kVelocityRate * (velocity - velocity_));
+    velocity_ +=
+        first ? Vec3(velocity - velocity_) : Vec3(period_ * kVelocityRate * robot_->omega() * (velocity - velocity_));
   } else {
     place_ += period_ * velocity_;
   }
   for (const Side side : kSides) {
-    const double follows = touch[side] ? (1.0 - share(side)) * std::min(1.0, period_ * kFootholdRate) : 1.0;
+    const double follows =
+        touch[side] ? (1.0 - share(side)) * std::min(1.0, period_ * kFootholdRate * robot_->omega()) : 1.0;
     foothold_[side] += follows * (place_ + from_root[side] - foothold_[side]);
     if (!touch[side]) continue;
     if (!touched_before_[side]) walked_ += (foothold_[side] - footfall_[side]).head<2>().norm();

@@ -6,9 +6,9 @@
 namespace baton {
 namespace {
 
-// Rates and times are the same for robots of any size. Lengths are in COM heights.
-constexpr double kHeightRate = 1.0;     ///< at which heights follow those of the terrain [1/s]
-constexpr double kAirborneTime = 0.1;   ///< time without contact after which the height is unknown [s]
+// Lengths are in COM heights, rates in ω, times in 1/ω.
+constexpr double kHeightRate = 0.16;    ///< at which heights follow those of the terrain
+constexpr double kAirborneTime = 0.6;   ///< time without contact after which the height is unknown
 constexpr double kMapTolerance = 0.05;  ///< a sole farther above or below the terrain stands on something unmapped
 
 // Soles tilted on a terrain edge.
@@ -17,19 +17,22 @@ constexpr double kCornerInset = 0.01;       ///< overlap of sole and edge
 constexpr double kLeastEdge = 0.02;         ///< height of the lowest edge that counts
 constexpr double kHeightTolerance = 0.015;  ///< between a corner and the terrain that it stands on
 constexpr double kEdgeRange = 0.05;         ///< largest distance of the edge from the corner
-constexpr double kEdgeSpeed = 0.04;         ///< of the correction [COM heights/s]
+constexpr double kEdgeSpeed = 0.0065;       ///< of the correction [COM height × ω]
 
 }  // namespace
 
 MapMatching::MapMatching(const RobotModel& robot, const World& world)
-    : world_(&world), com_height_(robot.profile().stance.com_height), period_(robot.profile().tick.period) {
+    : world_(&world),
+      com_height_(robot.profile().stance.com_height),
+      omega_(robot.omega()),
+      period_(robot.profile().tick.period) {
   for (const Side side : kSides)
     corners_[side] = robot.sole(side).inset(kCornerInset * com_height_).vertices();
 }
 
 Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& foothold, const SoleContact& contact,
                              const BySide<bool>& planned) {
-  height_lost_ = height_lost_ || contact.airborne() > kAirborneTime;
+  height_lost_ = height_lost_ || omega_ * contact.airborne() > kAirborneTime;
   double off = 0.0;
   double carried = 0.0;
   Vec2 moved = Vec2::Zero();
@@ -38,8 +41,8 @@ Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& f
     const std::optional<GroundPoint> ground = world_->ground(foothold[side].head<2>());
     if (!ground) continue;
     if (const std::optional<Vec2> to_edge = felt_edge(side, kinematics.sole(side).R, foothold[side], *ground)) {
-      moved += bounded(*to_edge, period_ * kEdgeSpeed * com_height_);  // the height of a tilted sole tells nothing
-      continue;
+      moved += bounded(*to_edge, period_ * kEdgeSpeed * omega_ * com_height_);
+      continue;  // the height of a tilted sole tells nothing
     }
     const double gap = ground->height - foothold[side].z();
     if (std::abs(gap) > kMapTolerance * com_height_ && !height_lost_) continue;
@@ -50,7 +53,7 @@ Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& f
   // After a robot was in the air, its height is unknown: at the next contact, it is taken from the map at once.
   const bool found = height_lost_ && carried > 0.0;
   if (found) height_lost_ = false;
-  return {moved.x(), moved.y(), found ? rise : period_ * kHeightRate * rise};
+  return {moved.x(), moved.y(), found ? rise : period_ * kHeightRate * omega_ * rise};
 }
 
 std::optional<Vec2> MapMatching::felt_edge(Side side, const Mat3& R, const Vec3& at, const GroundPoint& below) const {

@@ -32,6 +32,7 @@ class MapMatching {
 
   const World* world_;
   double com_height_;  ///< COM height, unit of lengths [m]
+  double omega_;       ///< [1/s]
   double period_;
   BySide<std::vector<Vec2>> corners_;  ///< of the soles, inset a little, in the sole frame [m]
   bool height_lost_ = false;           ///< height unknown, as the robot was in the air

@@ -6,10 +6,9 @@
 namespace baton {
 namespace {
 
-// Times are the same for robots of any size.
-constexpr double kIntegralTime = 0.5;  ///< integral time of the servo's torque [s]
-constexpr double kLeakTime = 2.0;      ///< time constant of the integral's leak [s]
-constexpr double kZmpTime = 0.08;      ///< low-pass of the ZMP difference [s]
+constexpr double kIntegralTime = 3.0;  ///< integral time of the servo's torque [1/ω]
+constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak [1/ω]
+constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
 
 }  // namespace
@@ -64,7 +63,7 @@ void Stabiliser::compare_zmp(const MotionSample& now, const State& state) {
   }
   if (total.force.z() < kLeastLoad * robot_->mass() * kGravity) return;
   const Vec2 lacks = correction_.zmp - total.zmp(support_plane(now.sole, now.contact));
-  correction_.lacks += robot_->profile().tick.period / kZmpTime * (lacks - correction_.lacks);
+  correction_.lacks += robot_->omega() * robot_->profile().tick.period / kZmpTime * (lacks - correction_.lacks);
 }
 
 void Stabiliser::reset() {
@@ -75,7 +74,7 @@ void Stabiliser::reset() {
 }
 
 void Stabiliser::update_integral(const State& state) {
-  const double period = robot_->profile().tick.period;
+  const double period = robot_->omega() * robot_->profile().tick.period;  // [1/ω]
   const double share = 1.0 - robot_->profile().margin.torque;  // of the stall torque, left over by verified motions
   const int n = robot_->nv() - 6;
   for (int j = 0; j < n; ++j) {

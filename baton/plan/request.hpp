@@ -13,7 +13,9 @@
 namespace baton {
 
 /// Shortest remaining flight for which a foot in the air is replanned [s].
-inline constexpr double kLeastFlight = 0.04;
+[[nodiscard]] inline double least_flight(const Profile& profile) {
+  return 0.2 * profile.swing.time;
+}
 /// Inclination of a sole against the plan up to which it may carry the robot alone [rad].
 inline constexpr double kFlatSole = 0.1;
 

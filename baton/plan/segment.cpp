@@ -10,16 +10,17 @@
 namespace baton {
 namespace {
 
-constexpr int kShiftKnots = 5;   ///< VRP intervals of a single-phase segment
-constexpr double kLevel = 2e-3;  ///< [m] height difference of footholds below which the swing needs no shaping
+constexpr int kShiftKnots = 5;    ///< VRP intervals of a single-phase segment
+constexpr double kLevel = 0.008;  ///< height difference below which footholds are level [COM height]
 
 /// For a foot that hangs in the air and lands elsewhere: fractions of the descent at which it starts to sink, and at
 /// which it is above the foothold. There may be an edge in between.
 constexpr std::pair<double, double> kBesideDescent{0.4, 0.7};
 
-constexpr double kGapReserve = 1e-3;   ///< [m]
-constexpr double kMostOutward = 0.02;  ///< [m]
-constexpr double kOutwardStep = 4e-3;  ///< [m]
+// A swing that passes the stance foot [COM height]:
+constexpr double kGapReserve = 0.004;   ///< added to the least gap of the soles
+constexpr double kMostOutward = 0.08;   ///< largest detour
+constexpr double kOutwardStep = 0.016;  ///< step by which it is found
 
 BySide<bool> only(Side side) {
   return {side == Side::left, side == Side::right};
@@ -121,10 +122,11 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
     com_.phases.push_back({shares[i], support_polygon(robot, sole, contact_[i], com, plane)});
   }
   if (goal.swing) {
+    const double size = robot.profile().stance.com_height;
     // On a straight path, yawed soles may pass too close to each other.
-    const double wanted = robot.profile().region.sole_gap + kGapReserve;
-    while (outward_ < kMostOutward && least_gap() < wanted)
-      outward_ += kOutwardStep;
+    const double wanted = robot.profile().region.sole_gap + kGapReserve * size;
+    while (outward_ < kMostOutward * size && least_gap() < wanted)
+      outward_ += kOutwardStep * size;
   }
 }
 
@@ -161,9 +163,13 @@ std::vector<ContactPhase> Segment::phases(const Timing& timing) const {
   return phases;
 }
 
+double Segment::level() const {
+  return kLevel * robot_->profile().stance.com_height;
+}
+
 bool Segment::beside() const {
   const Side side = *goal_.swing;
-  return (goal_.sole[side].p - from_.sole[side].p).head<2>().norm() > kLevel;
+  return (goal_.sole[side].p - from_.sole[side].p).head<2>().norm() > level();
 }
 
 Vec2 Segment::apex(double duration) const {
@@ -173,7 +179,7 @@ Vec2 Segment::apex(double duration) const {
   if (!goal_.contact[side]) return {0.0, from};
   const double clearance = limits_.swing_clearance;
   if (from_.contact[side]) {
-    const double share = to - from < -kLevel ? 0.4 : (to - from > kLevel ? 0.6 : 0.5);
+    const double share = to - from < -level() ? 0.4 : (to - from > level() ? 0.6 : 0.5);
     return {share * duration, std::max(from, to) + clearance};
   }
   if (!from_.flight && beside()) return {kBesideDescent.first * duration, std::max(from, to)};
@@ -199,11 +205,11 @@ Pose Segment::swing(double t, double duration) const {
   double end = 1.0;
   const bool stood = from_.contact[side];
   const bool lands = goal_.contact[side];
-  if (stood && lands && rise > kLevel) begin = 0.3;
-  if (stood && lands && rise < -kLevel) end = 0.7;
+  if (stood && lands && rise > level()) begin = 0.3;
+  if (stood && lands && rise < -level()) end = 0.7;
   if (stood && !lands) begin = 0.2;
   if (!stood && lands && !from_.flight) end = beside() ? kBesideDescent.second : 0.8;
-  if (from_.flight && lands && b.p.z() < from_.sole[other(side)].p.z() - kLevel) end = 0.6;
+  if (from_.flight && lands && b.p.z() < from_.sole[other(side)].p.z() - level()) end = 0.6;
   const double s = smooth_step(t - begin * duration, (end - begin) * duration).x;
   const PoseRate& rate = rates_.sole[side];
   const Carry on = carry(t, end * duration);

@@ -49,6 +49,8 @@ class Segment {
   [[nodiscard]] Pose swing(double t, double duration) const;
   /// Least gap between the sole outlines along the swing [m].
   [[nodiscard]] double least_gap() const;
+  /// Height difference below which footholds are level [m].
+  [[nodiscard]] double level() const;
   /// Whether a foot in the air lands beside its current position.
   [[nodiscard]] bool beside() const;
 

@@ -8,9 +8,9 @@
 namespace baton {
 namespace {
 
-constexpr int kRefusedInARow = 200;           ///< consecutive refusals that trigger the test
-constexpr double kPositionTolerance = 0.005;  ///< [m] tolerance at the end of a retrace
-constexpr double kRotationTolerance = 0.02;   ///< [rad]
+constexpr int kRefusedInARow = 200;            ///< consecutive refusals that trigger the test
+constexpr double kPositionTolerance = 0.0192;  ///< at the end of a retrace [COM height]: 5 mm for mighty
+constexpr double kRotationTolerance = 0.02;    ///< [rad]
 
 }  // namespace
 
@@ -77,12 +77,13 @@ void WayBack::judge_end(double t, const VecX& q) {
   ++sum_->tried;
   sum_->worst_m = std::max(sum_->worst_m, off);
   sum_->worst_rad = std::max(sum_->worst_rad, turned);
+  const double most_off = kPositionTolerance * robot_->profile().stance.com_height;
   const bool turned_too_far = turned > kRotationTolerance;
-  if (off <= kPositionTolerance && !turned_too_far) {
+  if (off <= most_off && !turned_too_far) {
     ++sum_->arrived;
   } else if (exact_) {
-    failures_->add("retrace", t, turned_too_far ? turned : off,
-                   turned_too_far ? kRotationTolerance : kPositionTolerance, turned_too_far ? "trunk" : "");
+    failures_->add("retrace", t, turned_too_far ? turned : off, turned_too_far ? kRotationTolerance : most_off,
+                   turned_too_far ? "trunk" : "");
   }
 }
 

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "baton/guide/guide.hpp"
+#include "baton/guide/command.hpp"
 
 namespace baton {
 namespace {
 
 constexpr double kMovedShare = 0.25;  ///< fraction of the request that counts as moved
-constexpr double kMoved = 0.005;      ///< displacement that always counts, for any robot size [m]
+constexpr double kMoved = 0.0192;     ///< displacement that always counts [COM height]: 5 mm for mighty
 
 /// Component of `made` along `asked`; 0 if `asked` is zero.
 double along(const Vec3& asked, const Vec3& made) {
@@ -23,10 +23,10 @@ Pose guided_pose(const Kinematics& kinematics, Part part) {
   return {kinematics.com(), kinematics.trunk().R};
 }
 
-bool CommandAccount::Interval::moved() const {
+bool CommandAccount::Interval::moved(double always) const {
   const double wanted = asked.norm();
   const double wanted_rotation = asked_rotation.norm();
-  return (wanted > 0.0 && (most >= kMovedShare * wanted || most >= kMoved)) ||
+  return (wanted > 0.0 && (most >= kMovedShare * wanted || most >= always)) ||
          (wanted_rotation > 0.0 && most_rotation >= kMovedShare * wanted_rotation);
 }
 
@@ -34,18 +34,13 @@ std::optional<CommandAccount::Interval> CommandAccount::asked(const Command& com
                                                               const Mat3& heading) const {
   const Profile& profile = robot_->profile();
   if (command.recall != Recall::none || command.neutral() || (command.axes.isZero(0.0) && !lifts)) return std::nullopt;
-  const bool is_a_foot = is_foot(command.guide);
-  const double size = is_a_foot                ? profile.reach.foot
-                      : is_hand(command.guide) ? profile.reach.hand
-                                               : profile.reach.trunk;
-  Vec3 move = command.axes.head<3>() * size;
-  Vec3 turn = command.axes.tail<3>() * profile.reach.rotation;
-  if (is_a_foot) {
+  const Vec6 requested = requested_move(*robot_, command);
+  Vec3 move = requested.head<3>();
+  const Vec3 turn = requested.tail<3>();
+  if (is_foot(command.guide)) {
     const double lift = command.lift[side_of(command.guide)];
-    move.z() = lift < Guide::kLeastLift ? 0.0 : lift * profile.swing.lift;
-    turn.head<2>().setZero();
+    move.z() = lift < kLeastLift ? 0.0 : lift * profile.swing.lift;
   }
-  if (is_hand(command.guide) && !robot_->hand_has_attitude(side_of(command.guide))) turn.setZero();
   if (move.isZero(0.0) && turn.isZero(0.0)) return std::nullopt;
   Interval interval;
   interval.command = command;
@@ -98,7 +93,9 @@ void CommandAccount::answered(const Request& request) {
 }
 
 nlohmann::json CommandAccount::json() const {
-  const auto moved = std::count_if(intervals_.begin(), intervals_.end(), [](const Interval& i) { return i.moved(); });
+  const auto moved = std::count_if(
+      intervals_.begin(), intervals_.end(),
+      [always = kMoved * robot_->profile().stance.com_height](const Interval& i) { return i.moved(always); });
   return {{"given", intervals_.size()}, {"moved", moved}};
 }
 

@@ -39,7 +39,8 @@ class CommandAccount {
     double made_rotation = 0.0;          ///< along `asked_rotation` [rad]
     double most = 0.0;                   ///< largest `made` so far, with the motion under way [m]
     double most_rotation = 0.0;          ///< [rad]
-    [[nodiscard]] bool moved() const;
+    /// @param always displacement that always counts [m]
+    [[nodiscard]] bool moved(double always) const;
   };
 
   /// An open motion and the command it was planned for.

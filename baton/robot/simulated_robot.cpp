@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFallenTilt = 45.0 * M_PI / 180.0;  ///< trunk tilt that counts as a fall [rad]
 constexpr double kFallenHeight = 0.5;                ///< COM height below which it is a fall [nominal COM height]
-constexpr double kTouch = 0.5;                       ///< least contact force of a touching sole, for any robot [N]
+constexpr double kTouch = 0.01;                      ///< least contact force of a touching sole [weight]
 
 }  // namespace
 
@@ -133,7 +133,7 @@ void SimulatedRobot::observe() {
     }
   }
   for (const Side side : kSides)
-    truth_.touch[side] = truth_.sole[side].force.z() > kTouch;
+    truth_.touch[side] = truth_.sole[side].force.z() > kTouch * robot_->mass() * kGravity;
   measure();
 }
 

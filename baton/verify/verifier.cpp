@@ -12,11 +12,13 @@ namespace {
 constexpr double kWrenchTolerance = 1e-3;  ///< share of the weight that vertex forces may miss: a rounding error
 constexpr double kTiltSlack = 0.01;        ///< by which the trunk may lean farther in motion than at rest [rad]
 constexpr double kTiltRounding = 1e-6;     ///< [rad]
-constexpr double kDistanceSlack = 1e-5;    ///< by which a distance that is below its limit already may shrink [m]
-constexpr double kTravelClearance = 0.2;   ///< clearance of a travelling foot, share of the swing clearance
-constexpr double kTravelSlope = 0.3;       ///< height over horizontal distance, near lift-off and touchdown
-constexpr double kContactHeight = -2e-4;   ///< height of a sole above the terrain at lift-off and touchdown [m]
-constexpr double kMarginStep = 0.25;       ///< step by which the edge margin is reduced, as share of it
+constexpr double kDistanceSlack =
+    1e-5;  ///< by which a distance that is below its limit already may shrink: rounding [m]
+constexpr double kTravelClearance = 0.2;  ///< clearance of a travelling foot, share of the swing clearance
+constexpr double kTravelSlope = 0.3;      ///< height over horizontal distance, near lift-off and touchdown
+constexpr double kContactHeight =
+    -2.0;                             ///< height of a sole above the terrain at lift-off and touchdown [`ik.position`]
+constexpr double kMarginStep = 0.25;  ///< step by which the edge margin is reduced, as share of it
 
 bool is_finite(const MotionSample& sample) {
   const auto pose = [](const Pose& x) { return x.p.allFinite() && x.R.allFinite(); };
@@ -183,6 +185,10 @@ double Verifier::edge_margin(const Motion& motion) const {
   return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.place_uncertainty;
 }
 
+double Verifier::contact_height() const {
+  return kContactHeight * robot_->profile().ik.position;
+}
+
 double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
   const double most = edge_margin(motion);
   const auto up = first_swing_sample(motion);
@@ -191,7 +197,7 @@ double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
   const Pose from = anchor * motion.swing.lift_off;
   const ConvexPolygon outline = sole_outline(*robot_, swing, from);
   for (double margin = most; margin > 0.0; margin -= kMarginStep * most) {
-    if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= kContactHeight) return margin;
+    if (from.p.z() - world_->highest_under(outline.inset(-margin)) >= contact_height()) return margin;
   }
   return 0.0;
 }
@@ -199,12 +205,12 @@ double Verifier::swing_margin(const Motion& motion, const Pose& anchor) const {
 double Verifier::least_height(const Motion& motion, const Pose& anchor) const {
   // A foot that stands lower than the mapped terrain lifts off from where it is.
   const auto up = first_swing_sample(motion);
-  if (up == motion.samples.end()) return kContactHeight;
+  if (up == motion.samples.end()) return contact_height();
   const Side swing = up->contact.left ? Side::right : Side::left;
   const Pose from = anchor * motion.swing.lift_off;
   const double off =
       from.p.z() - world_->highest_under(sole_outline(*robot_, swing, from).inset(-bounds_.swing_margin));
-  return std::clamp(off - kDistanceSlack, -robot_->profile().ground.flatness, kContactHeight);
+  return std::clamp(off - kDistanceSlack, -robot_->profile().ground.flatness, contact_height());
 }
 
 double Verifier::clearance(const Motion& motion, std::size_t tick) const {

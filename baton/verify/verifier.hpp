@@ -49,6 +49,8 @@ class Verifier {
   /// Required distance of footholds from terrain edges [m].
   [[nodiscard]] double edge_margin(const Motion& motion) const;
   /// Horizontal distance that the swing foot keeps from higher terrain [m]: that of footholds, or less if the foot
+  /// Height of a sole above the terrain from which it is in contact [m].
+  [[nodiscard]] double contact_height() const;
   /// stands closer than that after a slip, as it could not lift off otherwise.
   [[nodiscard]] double swing_margin(const Motion& motion, const Pose& anchor) const;
   /// Least height of the swing foot above the terrain, at lift-off and touchdown [m].
