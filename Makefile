@@ -20,7 +20,7 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-fast test-cpp test-page test-python sanitize sanitize-fast fuzz ci-clang bench format lint setup setup-test setup-dev clean anew
+.PHONY: help run build page test test-fast test-cpp test-page test-python sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint setup setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -67,6 +67,12 @@ sanitize-fast: setup-test ## the same for the tests of test-fast
 	cmake --preset sanitize
 	cmake --build --preset sanitize --target baton_tests
 	ctest --preset sanitize -j$(JOBS) -LE slow
+
+sanitize-threads: setup-test ## build with the thread sanitizer and run the tests of what has threads
+	$(call forget,build/thread)
+	cmake --preset thread
+	cmake --build --preset thread --target baton_tests
+	ctest --preset thread -j$(JOBS)
 
 # What is found new goes to build/fuzz/corpus, for the next run; an input that is a finding to build/fuzz/found-*.
 fuzz: setup-dev ## fuzz the readers of files and messages (FUZZ_SECONDS=60 each; needs clang)

@@ -5,3 +5,9 @@ extern "C" __attribute__((visibility("default"))) const char* __lsan_default_sup
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libOSMesa\nleak:libLLVM\nleak:libgallium\n";
 }
+
+// And the thread sanitizer: civetweb writes the date of its answers by localtime, whose buffer all threads share.
+extern "C" __attribute__((visibility("default"))) const char* __tsan_default_suppressions();
+extern "C" const char* __tsan_default_suppressions() {
+  return "race:tzset_internal\nrace:localtime\n";
+}
