@@ -27,16 +27,16 @@ int plan(const PlanOptions& o) {
   hooks.plan = [&](const PlanRecord& record) {
     const double t = static_cast<double>(record.request.at) * robot.profile().tick.period;
     nlohmann::json entry = {{"t", t}, {"guide", to_string(record.request.command.guide)}};
-    if (const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome)) {
-      entry.update(to_json(*planned, record.result.context.anchor));
+    if (const auto* planned = std::get_if<PlannedMotion>(&record.answer.outcome)) {
+      entry.update(to_json(*planned, record.answer.context.anchor));
       if (o.out) {
         const auto file = *o.out / fmt::format("segment_{:03}.json", motions++);
         write_whole(file, "--out",
-                    motion_file(*planned->motion, {o.robot, o.world, record.result.context.anchor}).dump() + '\n');
+                    motion_file(*planned->motion, {o.robot, o.world, record.answer.context.anchor}).dump() + '\n');
         entry["file"] = file.string();
       }
-    } else if (const auto* refusal = std::get_if<Refusal>(&record.result.outcome)) {
-      if (record.request.start.context.goes_on) return;  // the request is repeated at rest
+    } else if (const auto* refusal = std::get_if<Refusal>(&record.answer.outcome)) {
+      if (record.request.start.context.stick_held) return;  // the request is repeated at rest
       entry["refused"] = to_json(*refusal);
     } else {
       return;

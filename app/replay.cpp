@@ -33,7 +33,7 @@ int replay(const ReplayOptions& o) {
   const Modes modes = modes_of({head.duration, head.gait, head.on_limit});
   Navigator navigator(robot, world, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait,
                       state_named(head.state));
-  Strategy planning(robot, world, modes);
+  Strategy strategy(robot, world, modes);
   std::optional<Answer> answer;
   const auto differs = [&](const std::string& what) {
     fmt::print("tick {}: {}\n", navigator.now(), what);
@@ -54,7 +54,7 @@ int replay(const ReplayOptions& o) {
       }
       const std::optional<Request> request = navigator.request();
       if (!request && o.verify) return differs("no planning request is due, unlike in the recording");
-      if (request) answer = planning.plan(*request);
+      if (request) answer = strategy.plan(*request);
     }
   }
   fmt::print("{} ticks, {:.1f} s: {} segments, {} answers too late{}\n", navigator.now() + 1,

@@ -21,7 +21,7 @@ Rows bench_ik(const Options& /*unused*/) {
   };
   std::vector<Recorded> recorded;
   hooks.plan = [&](const PlanRecord& record) {
-    if (const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome)) {
+    if (const auto* planned = std::get_if<PlannedMotion>(&record.answer.outcome)) {
       recorded.push_back({record.request.start.posture, planned->motion});
     }
   };

@@ -118,7 +118,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
   const Profile& profile = robot.profile();
   const double period = profile.tick.period;
   const Posture start = stand(robot, world.site("start"), profile.stance.com_height);
-  Strategy planning(robot, world);
+  Strategy strategy(robot, world);
   Run changed(robot, world, start);
   Run held(robot, world, start);
   Run unanswered(robot, world, start);
@@ -130,7 +130,7 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
       // The runs are identical so far, so one answer serves all.
       const std::optional<Request> request = changed.navigator.request();
       if (!request) continue;
-      const Answer result = planning.plan(*request);
+      const Answer result = strategy.plan(*request);
       changed.navigator.answer(result);
       for (Run* run : {&held, &unanswered}) {
         if (run->navigator.request()) run->navigator.answer(result);
@@ -150,11 +150,11 @@ Change change_of_command(const RobotModel& robot, const World& world, std::uint6
       change.latency = static_cast<double>(k) * period;
       break;
     }
-    if (const std::optional<Request> request = held.navigator.request()) held.navigator.answer(planning.plan(*request));
+    if (const std::optional<Request> request = held.navigator.request()) held.navigator.answer(strategy.plan(*request));
     const std::optional<Request> request = changed.navigator.request();
     if (!request) continue;
     const double before = cpu_us();
-    Answer result = planning.plan(*request);
+    Answer result = strategy.plan(*request);
     change.plan_us.push_back(cpu_us() - before);
     const auto* refusal = std::get_if<Refusal>(&result.outcome);
     if (change.plan_us.size() == 1 && !std::holds_alternative<PlannedMotion>(result.outcome))

@@ -17,7 +17,7 @@ Rows bench_run(const Options& /*unused*/) {
   Row plan{"plan: a committed segment, verified whole", {}, "guide, durations, ik and verification at every tick"};
   hooks.tick = [&](const TickRecord& record) { tick.values.push_back(record.tick_us); };
   hooks.plan = [&](const PlanRecord& record) {
-    if (std::holds_alternative<PlannedMotion>(record.result.outcome)) plan.values.push_back(record.plan_us);
+    if (std::holds_alternative<PlannedMotion>(record.answer.outcome)) plan.values.push_back(record.plan_us);
   };
   const double before = cpu_us();
   const double seconds = 30.0;

@@ -27,7 +27,7 @@ Rows bench_segment(const Options& /*unused*/) {
       Hooks hooks;
       session.add(hooks);
       hooks.plan = [&](const PlanRecord& record) {
-        const auto* planned = std::get_if<PlannedMotion>(&record.result.outcome);
+        const auto* planned = std::get_if<PlannedMotion>(&record.answer.outcome);
         if (planned == nullptr) return;
         request.values.push_back(record.plan_us);
         const GuideContext& context = record.request.start.context;

@@ -28,7 +28,7 @@ class LegOdometry {
   /// Positions of the soles: of the foothold for a sole in contact, else of the sole itself [m].
   [[nodiscard]] const BySide<Vec3>& foothold() const { return foothold_; }
   /// Horizontal distance walked, from foothold to foothold, both feet added up [m].
-  [[nodiscard]] double gone() const { return walked_; }
+  [[nodiscard]] double walked() const { return walked_; }
 
  private:
   const RobotModel* robot_;

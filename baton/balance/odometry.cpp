@@ -62,7 +62,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
 }
 
 double Odometry::uncertainty() const {
-  return kDrift * 0.5 * legs_.gone();
+  return kDrift * 0.5 * legs_.walked();
 }
 
 BySide<double> Odometry::measured_or_planned_load(const Measurement& measurement, const MotionSample& planned) const {

@@ -62,8 +62,9 @@ void Stabiliser::compare_zmp(const MotionSample& now, const State& state) {
     total.moment += state.force[side].moment + state.sole[side].p.cross(state.force[side].force);
   }
   if (total.force.z() < kLeastLoad * robot_->mass() * kGravity) return;
-  const Vec2 lacks = correction_.zmp - total.zmp(support_plane(now.sole, now.contact));
-  correction_.lacks += robot_->omega() * robot_->profile().tick.period / kZmpTime * (lacks - correction_.lacks);
+  const Vec2 deficit = correction_.zmp - total.zmp(support_plane(now.sole, now.contact));
+  correction_.zmp_deficit +=
+      robot_->omega() * robot_->profile().tick.period / kZmpTime * (deficit - correction_.zmp_deficit);
 }
 
 void Stabiliser::reset() {

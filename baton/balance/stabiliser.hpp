@@ -9,9 +9,9 @@ namespace baton {
 
 /// The stabiliser's latest correction, for the navigator and for recording.
 struct Correction {
-  Vec3 dcm_error = Vec3::Zero();  ///< measured − planned DCM [m]
-  Vec2 zmp = Vec2::Zero();        ///< commanded ZMP, in the planning frame [m]
-  Vec2 lacks = Vec2::Zero();      ///< commanded − measured ZMP, low-passed: what the terrain fails to support [m]
+  Vec3 dcm_error = Vec3::Zero();    ///< measured − planned DCM [m]
+  Vec2 zmp = Vec2::Zero();          ///< commanded ZMP, in the planning frame [m]
+  Vec2 zmp_deficit = Vec2::Zero();  ///< commanded − measured ZMP, low-passed: what the terrain fails to support [m]
 };
 
 class Stabiliser {

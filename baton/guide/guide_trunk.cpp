@@ -59,7 +59,7 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const bool stands = support.margin(target) >= profile.margin.stand_on;
   std::vector<Goal> goals;
   const bool stays = stands && !turn && !context.step;
-  const bool walks = context.goes_on && goal.guided == Part::trunk;
+  const bool walks = context.stick_held && goal.guided == Part::trunk;
   // Without horizontal motion or turn, a step does not help.
   if (stays && (target - from.com.head<2>()).norm() < same_place()) return std::vector<Goal>{goal};
   if (stays && !walks) goals.push_back(goal);

@@ -16,7 +16,7 @@ constexpr double kReplacing = 0.1;      ///< time between two replacements of a 
 constexpr double kNearEdges = 2.0;      ///< distance of edges that soles may meet [largest distance of the feet]
 constexpr double kSlipByEdges = 0.5;    ///< displacement there at which a way back is ended [margin to edges]
 constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capture step leaves
-constexpr double kLacks = 0.02;         ///< ZMP that the ground does not give, and that does not count [COM height]
+constexpr double kZmpDeficit = 0.02;    ///< ZMP that the ground does not give, and that does not count [COM height]
 constexpr double kLeastCapture = 0.15;  ///< least length of a capture step: the push may go on [COM height]
 constexpr double kFarther = 1.5;        ///< ratio of lengths from which a longer capture step replaces one under way
 
@@ -143,7 +143,7 @@ Request Requests::on_the_way(int at) const {
   const Part guided = now_.command.guide;
   // A lever that moves while the stick is centred changes how high the foot is, not where it goes.
   if (now_.command.axes.isZero(0.0) && guided == answer.command.guide) request.command.axes = answer.command.axes;
-  context.goes_on = guided == answer.command.guide && !answer.command.axes.isZero(0.0);
+  context.stick_held = guided == answer.command.guide && !answer.command.axes.isZero(0.0);
   context.drift_correction = drift_correction(now_.robot, context, request.command);
 
   start.flight = flight(at);
@@ -154,10 +154,10 @@ Request Requests::on_the_way(int at) const {
   if (several) {
     // The same step again, to another goal.
     const Pose anchor = context.anchor;
-    const bool goes_on = context.goes_on;
+    const bool held = context.stick_held;
     context = answer.context;
     context.anchor = anchor;
-    context.goes_on = goes_on;
+    context.stick_held = held;
     const int joints = now_.robot.nv() - 6;
     context.from.q.tail(joints) = motion_->end.q.tail(joints);
     if (start.flight && both_stand(context.from.contact)) {
@@ -231,8 +231,8 @@ std::optional<Request> Requests::catching() const {
   const auto along = [&](const Vec2& v) { return v.dot(error) / size; };
   double room = std::max(0.0, along(sample.zmp_region->nearest(holds) - sample.zmp));
   // Soles that stand on edges do not take the ZMP where they should.
-  const double lacks = along(now_.correction.lacks) - kLacks * profile_.stance.com_height;
-  if (lacks > 0.0) room = std::clamp(along(now_.correction.zmp - sample.zmp) - lacks, 0.0, room);
+  const double deficit = along(now_.correction.zmp_deficit) - kZmpDeficit * profile_.stance.com_height;
+  if (deficit > 0.0) room = std::clamp(along(now_.correction.zmp - sample.zmp) - deficit, 0.0, room);
   if (sample.zmp_region->margin(holds) >= 0.0 && room >= size) return std::nullopt;
 
   const int lookahead = profile_.tick.lookahead;
@@ -287,15 +287,15 @@ bool Requests::replaceable(int at) const {
   const bool lands = swings && goal.contact[*goal.swing];
   // A held stick goes on from where a foot has landed; with no foot to land, from halfway through the last phase.
   const bool foot_again = is_foot(command.guide) && !differs(command, course_.answer()->command);
-  const int goes_on = !lands ? (last_phase + motion_->ticks()) / 2 : (foot_again ? motion_->ticks() : last_phase);
-  if (at == goes_on && !command.axes.isZero(0.0)) return true;
+  const int continues_at = !lands ? (last_phase + motion_->ticks()) / 2 : (foot_again ? motion_->ticks() : last_phase);
+  if (at == continues_at && !command.axes.isZero(0.0)) return true;
   if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period)) return false;
   const int lift_off = motion_->phases.front().ticks;
   const int change = at < lift_off ? lift_off : last_phase;
   if (swings && at < change && (change - at) * profile_.tick.period < least_flight(profile_)) return false;
   // A stick that is let go of, a lever as it was: what is under way serves.
   if (command.axes.isZero(0.0) && !lever_moved(command, now_.exchange.answered)) return false;
-  return at > goes_on || differs(command, now_.exchange.answered);
+  return at > continues_at || differs(command, now_.exchange.answered);
 }
 
 bool Requests::slid_too_far() const {

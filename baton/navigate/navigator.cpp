@@ -151,7 +151,7 @@ void Navigator::refuse(const std::shared_ptr<const Answer>& answer) {
   const Refusal* refusal = answer->refusal();
   const bool at_rest = motion() == nullptr;
   if (at_rest && refusal == nullptr) return;
-  if (refusal != nullptr && (at_rest || !answer->context.goes_on)) {
+  if (refusal != nullptr && (at_rest || !answer->context.stick_held)) {
     events_.add(Refused{refused_.refusal != nullptr});
     drop_refusal();
     refused_.refusal = {answer, refusal};

@@ -88,7 +88,7 @@ void WayBack::judge_end(double t, const VecX& q) {
 }
 
 void WayBack::on_plan(const PlanRecord& record) {
-  const auto* refusal = std::get_if<Refusal>(&record.result.outcome);
+  const auto* refusal = std::get_if<Refusal>(&record.answer.outcome);
   if (!going_ || refusal == nullptr || record.request.command.recall != Recall::retrace || !record.request.start.trail)
     return;
   ++sum_->tried;
@@ -98,8 +98,8 @@ void WayBack::on_plan(const PlanRecord& record) {
 }
 
 void StuckJudge::on_plan(const PlanRecord& record) {
-  if (std::holds_alternative<PlannedMotion>(record.result.outcome)) refused_in_a_row_ = 0;
-  if (std::holds_alternative<Refusal>(record.result.outcome)) ++refused_in_a_row_;
+  if (std::holds_alternative<PlannedMotion>(record.answer.outcome)) refused_in_a_row_ = 0;
+  if (std::holds_alternative<Refusal>(record.answer.outcome)) ++refused_in_a_row_;
 }
 
 void StuckJudge::look() {
@@ -112,11 +112,11 @@ void StuckJudge::test() {
   if (stuck(strategy_, session_->navigator().request_for({}))) failures_->add("stuck", session_->t(), 0.0, 0.0, "");
 }
 
-bool stuck(Strategy& planning, Request request) {
+bool stuck(Strategy& strategy, Request request) {
   request.intents.clear();  // what each command asks for
   const auto goes = [&](const Command& command) {
     request.command = command;
-    return std::holds_alternative<PlannedMotion>(planning.plan(request).outcome);
+    return std::holds_alternative<PlannedMotion>(strategy.plan(request).outcome);
   };
   Command command;
   for (const double size : {0.5, 1.0, 0.1}) {

@@ -106,6 +106,6 @@ class StuckJudge : public Sink {
 
 /// Whether none of many different commands, retrace included, has a motion from there.
 /// @param request starts where the robot rests; its command is ignored
-[[nodiscard]] bool stuck(Strategy& planning, Request request);
+[[nodiscard]] bool stuck(Strategy& strategy, Request request);
 
 }  // namespace baton

@@ -38,7 +38,7 @@ void Report::on_tick(const TickRecord& record) {
 }
 
 void Report::on_plan(const PlanRecord& record) {
-  if (std::holds_alternative<std::monostate>(record.result.outcome)) return;
+  if (std::holds_alternative<std::monostate>(record.answer.outcome)) return;
   plan_.add(record.plan_us);
   commands_.answered(record.request);
 }

@@ -8,8 +8,8 @@ namespace baton {
 
 void DirectPlanning::post(Request request) {
   const double before = cpu_us();
-  Answer result = strategy_.plan(request);
-  ready_ = {std::move(request), std::move(result), cpu_us() - before};
+  Answer answer = strategy_.plan(request);
+  ready_ = {std::move(request), std::move(answer), cpu_us() - before};
 }
 
 std::optional<Planning::Reply> DirectPlanning::poll(long /*tick*/) {

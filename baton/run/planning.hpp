@@ -11,7 +11,7 @@ class Planning {
  public:
   struct Reply {
     Request request;
-    Answer result;
+    Answer answer;
     double plan_us = 0.0;  ///< CPU time of planning [µs]
   };
 

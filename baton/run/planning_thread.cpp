@@ -49,7 +49,7 @@ void PlanningThread::run() {
     if (state == State::ending) return;
     try {
       const double before = cpu_us();
-      reply_.result = strategy_.plan(reply_.request);
+      reply_.answer = strategy_.plan(reply_.request);
       reply_.plan_us = cpu_us() - before;
     } catch (...) {
       error_ = std::current_exception();

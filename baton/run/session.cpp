@@ -59,10 +59,10 @@ void Session::hand_in() {
   std::optional<Planning::Reply> reply = planning_->poll(ticks_);
   if (!reply) return;
   for (Sink* sink : sinks_)
-    sink->on_plan({t(), reply->request, reply->result, reply->plan_us});
+    sink->on_plan({t(), reply->request, reply->answer, reply->plan_us});
   for (Sink* sink : sinks_)
     sink->on_planning(PlanningEvent::answer);
-  navigator_->answer(std::move(reply->result));
+  navigator_->answer(std::move(reply->answer));
 }
 
 }  // namespace baton

@@ -22,7 +22,7 @@ struct TickRecord {
 struct PlanRecord {
   double t = 0.0;  ///< time at which the navigator receives it [s]
   const Request& request;
-  const Answer& result;
+  const Answer& answer;
   double plan_us = 0.0;  ///< CPU time of planning [µs]
 };
 

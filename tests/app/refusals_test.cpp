@@ -40,7 +40,7 @@ class RefusalsTest : public testing::Test {
   void step(const Command& command) {
     body_.write(navigator_.tick(body_.read(), command));
     if (const std::optional<Request> request = navigator_.request()) {
-      Answer result = planning_.plan(*request);
+      Answer result = strategy_.plan(*request);
       if (refuses_ways_back_ && request->command.recall != Recall::none)
         result.outcome = Refusal{Reason::self_collision, Part::left_hand, 0.001, 0.002, "arm and trunk"};
       navigator_.answer(std::move(result));
@@ -55,7 +55,7 @@ class RefusalsTest : public testing::Test {
   const Modes modes_{.on_limit = OnLimit::discard, .gait = Gait::stop};
   IdealRobot body_{robot_, start_, period_};
   Navigator navigator_{robot_, world_, start_, modes_.gait};
-  Strategy planning_{robot_, world_, modes_};
+  Strategy strategy_{robot_, world_, modes_};
 };
 
 TEST_F(RefusalsTest, APartThatIsRefusedThreeTimesInARowIsStuckUntilAnythingMoves) {

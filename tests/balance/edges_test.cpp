@@ -39,7 +39,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
   const Posture start = stand(robot, map.site("start"), robot.profile().stance.com_height);
   SimulatedRobot body(robot, world, start, robot.profile().tick.period);
   Navigator navigator(robot, map, start);
-  Strategy planning(robot, map);
+  Strategy strategy(robot, map);
   Kinematics truth(robot);
   Command command;
   double ahead = 1.0;
@@ -55,7 +55,7 @@ double up_and_down(const World& world, double seconds, std::mt19937_64& random) 
     }
     body.write(navigator.tick(body.read(), command));
     navigator.poll();
-    if (const auto request = navigator.request()) navigator.answer(planning.plan(*request));
+    if (const auto request = navigator.request()) navigator.answer(strategy.plan(*request));
     if (body.truth()->fallen) {
       ADD_FAILURE() << body.truth()->fall << " at " << body.truth()->t;
       break;

@@ -204,9 +204,9 @@ TEST_P(StabiliserTest, KnowsWhatOfTheCommandedZmpTheGroundDoesNotGive) {
         state.force[side] = {{0, 0, 0.5 * weight}, Vec3(lever.x(), lever.y(), 0).cross(Vec3(0, 0, 0.5 * weight))};
       }
     }
-    EXPECT_LT((stabiliser.correction().lacks - off).norm(), 1e-3 * h);
+    EXPECT_LT((stabiliser.correction().zmp_deficit - off).norm(), 1e-3 * h);
     stabiliser.reset();
-    EXPECT_EQ(stabiliser.correction().lacks, Vec2(0, 0));
+    EXPECT_EQ(stabiliser.correction().zmp_deficit, Vec2(0, 0));
   }
 }
 

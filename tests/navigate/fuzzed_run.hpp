@@ -52,7 +52,7 @@ class FuzzedRun {
         source_(seed % 2 == 0 ? StateSource::perfect : StateSource::sensors),
         home_(stand(robot, world.site("start"), robot.profile().stance.com_height)),
         navigator_(robot, world, home_, modes_.gait, source_),
-        planning_(robot, world, modes_),
+        strategy_(robot, world, modes_),
         verifier_(robot, world),
         body_(robot, home_, period_) {}
 
@@ -83,7 +83,7 @@ class FuzzedRun {
   /// Lives through the run again: the same requests must be made, and the same joint targets given, bit by bit.
   void replay() {
     Navigator again(robot_, world_, home_, modes_.gait, source_);
-    Strategy planning(robot_, world_, modes_);
+    Strategy strategy(robot_, world_, modes_);
     for (const Tick& tick : ticks_) {
       ASSERT_EQ(checksum(again.tick(tick.measurement, tick.command)), tick.checksum) << "tick " << again.now();
       again.poll();
@@ -98,7 +98,7 @@ class FuzzedRun {
         ASSERT_EQ(request->at, known.at);
         const auto* motion = std::get_if<PlannedMotion>(&known.outcome);
         if (motion == nullptr || event.answer % 4 != 0) continue;
-        const Answer planned = planning.plan(*request);
+        const Answer planned = strategy.plan(*request);
         ASSERT_TRUE(std::holds_alternative<PlannedMotion>(planned.outcome)) << "tick " << again.now();
         ASSERT_EQ(std::get<PlannedMotion>(planned.outcome).motion->end.q, motion->motion->end.q);
       }
@@ -242,7 +242,7 @@ class FuzzedRun {
     stopped_since_ask_ = false;
     const auto number = static_cast<int>(answers_.size());
     tick.events.push_back({PlanningEvent::ask, number});
-    Answer answer = planning_.plan(*request);
+    Answer answer = strategy_.plan(*request);
     const int fate = at_random ? dice_.below(100) : 0;
     if (fate >= 92) {
       answer.outcome = Refusal{Reason::no_progress, Part::trunk, 0, 0, "made up"};
@@ -405,7 +405,7 @@ class FuzzedRun {
   StateSource source_;
   Posture home_;
   Navigator navigator_;
-  Strategy planning_;
+  Strategy strategy_;
   Verifier verifier_;
   IdealRobot body_;
   std::vector<Tick> ticks_;

@@ -20,7 +20,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
       const JointTarget& target = trip_.navigator().tick(measurement, command);
       soft_ = target.tau.isZero(0.0) && target.dq.isZero(0.0) && target.q == measurement.q;
       trip_.navigator().poll();
-      if (const auto request = trip_.navigator().request()) trip_.navigator().answer(trip_.planning().plan(*request));
+      if (const auto request = trip_.navigator().request()) trip_.navigator().answer(trip_.strategy().plan(*request));
     }
   }
   void tick(double seconds, const Command& command) {
@@ -125,7 +125,7 @@ TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
   navigator.poll();
   const std::optional<Request> request = navigator.request();
   ASSERT_TRUE(request);
-  navigator.answer(trip_.planning().plan(*request));
+  navigator.answer(trip_.strategy().plan(*request));
   while (navigator.now() < request->at) {
     Measurement measurement = trip_.body().read();
     pushed()(measurement);
@@ -154,7 +154,7 @@ TEST_P(GuardTest, AWayBackThatASlipEndsWhileItIsPlannedIsNotTaken) {
   navigator.poll();
   const std::optional<Request> request = navigator.request();
   ASSERT_TRUE(request);
-  navigator.answer(trip.planning().plan(*request));
+  navigator.answer(trip.strategy().plan(*request));
   while (navigator.now() <= request->at) {
     Measurement measurement = trip.body().read();
     measurement.root->pose.p.x() += 0.4 * robot_.profile().reach.foot;
@@ -175,7 +175,7 @@ TEST_P(GuardTest, NothingBeginsThatWasAskedForBeforeAStop) {
     navigator.poll();
     const std::optional<Request> request = navigator.request();
     ASSERT_TRUE(request);
-    navigator.answer(trip_.planning().plan(*request));
+    navigator.answer(trip_.strategy().plan(*request));
     Command stop;
     stop.recall = Recall::stop;
     navigator.tick(trip_.body().read(), stop);

@@ -102,7 +102,7 @@ TEST_P(NavigatorTest, AnAnswerIsTakenOverAtItsTickOrDropped) {
   }
   ASSERT_TRUE(request.has_value());
   EXPECT_EQ(request->at, run.navigator().now() + robot_.profile().tick.lookahead);
-  Answer late = run.planning().plan(*request);
+  Answer late = run.strategy().plan(*request);
   EXPECT_FALSE(run.navigator().request().has_value()) << "one request at a time";
   // It is not there at its tick: the robot goes on resting, and asks again.
   while (run.navigator().now() < request->at) {
@@ -311,7 +311,7 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
   Trip run(robot_, {.gait = Gait::stop}, "flat", StateSource::perfect);
   run.step({});
   const World flat = World::load("flat");
-  Strategy planning(robot_, flat);
+  Strategy strategy(robot_, flat);
   for (const Side tilted : kSides) {
     for (const double angle : {0.05, 0.12}) {
       Measurement measurement = run.body().read();
@@ -323,7 +323,7 @@ TEST_P(NavigatorTest, NoFootIsLiftedWhileTheOtherStandsOnAnEdge) {
         const std::optional<Request> request = navigator.request();
         ASSERT_TRUE(request.has_value());
         EXPECT_EQ(request->terrain.inclined.has_value(), angle > 0.1);
-        const Answer result = planning.plan(*request);
+        const Answer result = strategy.plan(*request);
         const auto* refusal = std::get_if<Refusal>(&result.outcome);
         const bool refused = angle > 0.1 && lifted != tilted;
         ASSERT_EQ(refusal != nullptr, refused) << (refusal != nullptr ? to_string(refusal->reason) : "");
@@ -380,9 +380,9 @@ TEST_P(NavigatorTest, OnUnevenGroundTheZmpKeepsFartherInsideWhereItCan) {
     for (int k = 0; k < 4000 && run.navigator().motion() != nullptr; ++k)
       run.step({});
     Request request = run.navigator().request_for(anything(random));
-    const Answer on_even = run.planning().plan(request);
+    const Answer on_even = run.strategy().plan(request);
     request.terrain.uneven = true;
-    const Answer on_uneven = run.planning().plan(request);
+    const Answer on_uneven = run.strategy().plan(request);
     const auto* even = std::get_if<PlannedMotion>(&on_even.outcome);
     const auto* uneven = std::get_if<PlannedMotion>(&on_uneven.outcome);
     ASSERT_EQ(even == nullptr, uneven == nullptr) << "nothing is refused for it";
@@ -404,7 +404,7 @@ TEST_P(NavigatorTest, WhereNoStepCatchesItWhatWasToBeDoneOtherwiseIsDone) {
   Catch capture{.by = {0.0, 0.2 * height}, .height = run.navigator().anchor().p.z()};
   const auto planned = [&](const std::vector<Intent>& intents) {
     request.intents = intents;
-    return run.planning().plan(request);
+    return run.strategy().plan(request);
   };
   EXPECT_TRUE(std::holds_alternative<std::monostate>(planned({capture}).outcome));
   const Answer stays = planned({capture, Follow{}});
@@ -468,7 +468,7 @@ TEST_P(NavigatorTest, AGoalOutOfReachIsShrunkAlongItsDirectionAndSaysWhy) {
       run.body().write(target);
       const auto request = run.navigator().request();
       if (!request) continue;
-      const Answer result = run.planning().plan(*request);
+      const Answer result = run.strategy().plan(*request);
       const Answer discarded = strict.plan(*request);
       const auto* against = std::get_if<Refusal>(&discarded.outcome);
       const auto* planned = std::get_if<PlannedMotion>(&result.outcome);

@@ -44,14 +44,14 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
     const std::string file = test::temp_folder() + "refusals.xml";
     std::ofstream(file) << "<mujoco><worldbody><site name=\"start\"/>" << c.geoms << "</worldbody></mujoco>";
     const World world{file};
-    Strategy planning(robot, world, {DurationRule::paper, OnLimit::discard});
+    Strategy strategy(robot, world, {DurationRule::paper, OnLimit::discard});
     Request request;
     request.command = c.command;
     request.intents = {intent_of(c.command)};
     request.start.context = test::at_home(robot);
     c.change(request);
     request.start.posture = request.start.context.from;
-    return planning.plan(request);
+    return strategy.plan(request);
   }
 
   [[nodiscard]] Posture with_an_arm_in_the_trunk(VecX q) const {

@@ -62,8 +62,8 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
   for (double x = -1.5 * height_; x < here + 0.1 * height_; x += 0.07 * height_) {
     SCOPED_TRACE(testing::Message() << "floor from " << x << " of " << here);
     const World world = floor_from(x);
-    Strategy planning(robot_, world);
-    const Answer result = planning.plan(request);
+    Strategy strategy(robot_, world);
+    const Answer result = strategy.plan(request);
     const auto* planned = std::get_if<PlannedMotion>(&result.outcome);
     if (planned == nullptr) {
       EXPECT_EQ(std::get<Refusal>(result.outcome).reason, Reason::ground);
@@ -113,7 +113,7 @@ TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysK
   come_to_rest(trip);
   const Posture home = trip.home();
   const World world = floor_from(home.sole.left.p.x() + 0.2 * height_);
-  Strategy planning(robot_, world);
+  Strategy strategy(robot_, world);
   Navigator& navigator = trip.navigator();
   const auto step = [&](const Command& command, Strategy& planner) {
     trip.body().write(navigator.tick(trip.body().read(), command));
@@ -123,19 +123,19 @@ TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysK
   // Again and again it is let go of on its way to the edge of the floor.
   for (int press = 0; press < 12; ++press) {
     for (long k = ticks(0.3 + 0.13 * press); k > 0; --k)
-      step(retrace(), planning);
+      step(retrace(), strategy);
     for (long k = ticks(4.0); k > 0 && (k > ticks(3.9) || navigator.motion() != nullptr); --k)
-      step({}, planning);
+      step({}, strategy);
     ASSERT_EQ(navigator.motion(), nullptr);
     ASSERT_GE(navigator.history(), 1u);
   }
-  step(retrace(), planning);
+  step(retrace(), strategy);
   ASSERT_EQ(navigator.motion(), nullptr) << "at the edge it has come as far as it can";
   // With the floor there again, all the way home.
   for (long k = ticks(0.2); k > 0; --k)
-    step({}, planning);
+    step({}, strategy);
   for (long k = ticks(30.0); k > 0 && (navigator.history() > 0 || navigator.motion() != nullptr); --k)
-    step(retrace(), trip.planning());
+    step(retrace(), trip.strategy());
   EXPECT_EQ(navigator.history(), 0u);
   for (const Side side : kSides)
     EXPECT_LT((trip.posture().sole[side].p - home.sole[side].p).norm(), 1e-4);

@@ -19,7 +19,7 @@ class Trip {
         world_(World::load(world)),
         home_(stand(robot, world_.site("start"), robot.profile().stance.com_height)),
         navigator_(robot, world_, home_, modes.gait, source),
-        planning_(robot, world_, modes),
+        strategy_(robot, world_, modes),
         body_(robot, home_, robot.profile().tick.period) {}
 
   const JointTarget& step(const Command& command, bool answer = true) {
@@ -31,7 +31,7 @@ class Trip {
     navigator_.poll();
     if (auto request = navigator_.request()) {
       ++requests_;
-      if (answer) navigator_.answer(planning_.plan(*request));
+      if (answer) navigator_.answer(strategy_.plan(*request));
     }
     return target;
   }
@@ -42,7 +42,7 @@ class Trip {
   Navigator& navigator() { return navigator_; }
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   IdealRobot& body() { return body_; }
-  Strategy& planning() { return planning_; }
+  Strategy& strategy() { return strategy_; }
   /// Where it really is.
   [[nodiscard]] Posture posture() const { return posture_of(*robot_, body_.truth()->q); }
   const World& world() const { return world_; }
@@ -54,7 +54,7 @@ class Trip {
   World world_;
   Posture home_;
   Navigator navigator_;
-  Strategy planning_;
+  Strategy strategy_;
   IdealRobot body_;
   int requests_ = 0;
 };

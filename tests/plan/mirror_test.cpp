@@ -168,7 +168,7 @@ class MirrorTest : public testing::TestWithParam<std::string> {
     context.foothold = from.sole;
     context.anchor = {Vec3(either(), either(), 0), rotation_z(3.0 * either())};
     context.slip_free_frame = context.anchor;
-    context.goes_on = random() % 2 == 0;
+    context.stick_held = random() % 2 == 0;
     if (random() % 3 == 0) context.place_uncertainty = 0.005 * unit(random);
     if (random() % 3 == 0) context.drift_correction = {0.01 * Vec3(either(), either(), 0), rotation_z(0.02 * either())};
     switch (random() % 4) {
@@ -285,11 +285,11 @@ TEST_P(MirrorTest, WhereBothFeetAreAlikeTheLastStepDecides) {
   for (const Part part : kParts) {
     for (int axis = 0; axis < 6; ++axis) {
       for (const double value : {1.0, -1.0}) {
-        for (const bool goes_on : {false, true}) {
+        for (const bool stick_held : {false, true}) {
           Command command;
           command.guide = part;
           command.axes[axis] = value;
-          context.goes_on = goes_on;
+          context.stick_held = stick_held;
           SCOPED_TRACE(testing::Message() << to_string(part) << ", axis " << axis << ", " << value);
           std::array<GuideResult, 2> results;
           for (const Side last : kSides) {

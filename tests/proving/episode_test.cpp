@@ -59,17 +59,17 @@ TEST_P(EpisodeInClutter, NothingGoesWrong) {
 TEST(Episode, KnowsWhenNothingGoesAnyMore) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
-  Strategy planning(robot, world, {DurationRule::paper, OnLimit::discard});
+  Strategy strategy(robot, world, {DurationRule::paper, OnLimit::discard});
   Request request;
   GuideContext& context = request.start.context;
   context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
   context.foothold = context.from.sole;
   request.start.posture = context.from;
-  EXPECT_FALSE(stuck(planning, request));
+  EXPECT_FALSE(stuck(strategy, request));
   const int elbow = robot.arm(Side::left).back();
   context.from.q[7 + elbow] = robot.joints()[static_cast<std::size_t>(elbow)].position.hi + 0.1;
   request.start.posture = context.from;
-  EXPECT_TRUE(stuck(planning, request));
+  EXPECT_TRUE(stuck(strategy, request));
 }
 
 }  // namespace

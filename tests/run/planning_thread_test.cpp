@@ -11,7 +11,7 @@ namespace {
 TEST(PlanningThread, AnswersAsPlanningDoes) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
-  Strategy planning(robot, world);
+  Strategy strategy(robot, world);
   Request request;
   request.start.context.from = stand(robot, world.site("start"), robot.profile().stance.com_height);
   request.start.context.foothold = request.start.context.from.sole;
@@ -25,10 +25,10 @@ TEST(PlanningThread, AnswersAsPlanningDoes) {
     std::optional<Planning::Reply> answer;
     while (!(answer = thread.poll(0)))
       std::this_thread::yield();
-    const Answer expected = planning.plan(request);
-    ASSERT_EQ(answer->result.outcome.index(), expected.outcome.index());
+    const Answer expected = strategy.plan(request);
+    ASSERT_EQ(answer->answer.outcome.index(), expected.outcome.index());
     if (const Motion* motion = expected.motion()) {
-      const Motion& other = *answer->result.motion();
+      const Motion& other = *answer->answer.motion();
       ASSERT_EQ(other.ticks(), motion->ticks());
       EXPECT_EQ(other.end.q, motion->end.q);
     }

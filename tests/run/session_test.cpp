@@ -37,7 +37,7 @@ class Diary : public Sink {
     lines.push_back(line);
   }
   void on_plan(const PlanRecord& record) override {
-    lines.push_back("answer for " + std::to_string(record.result.at) + " at " + std::to_string(record.t));
+    lines.push_back("answer for " + std::to_string(record.answer.at) + " at " + std::to_string(record.t));
   }
   void on_planning(PlanningEvent event) override { lines.emplace_back(event == PlanningEvent::ask ? "ask" : "offer"); }
 

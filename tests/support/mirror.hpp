@@ -156,8 +156,8 @@ class Mirror {
     return result;
   }
   [[nodiscard]] GuideContext of(const GuideContext& c) const {
-    return {of(c.from), of(c.anchor),        of(c.last_step),       of(c.foothold),        of(c.step),
-            c.goes_on,  c.place_uncertainty, of(c.slip_free_frame), of(c.drift_correction)};
+    return {of(c.from),   of(c.anchor),        of(c.last_step),       of(c.foothold),        of(c.step),
+            c.stick_held, c.place_uncertainty, of(c.slip_free_frame), of(c.drift_correction)};
   }
   [[nodiscard]] Goal of(const Goal& g) const {
     Goal result = g;
