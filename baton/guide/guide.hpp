@@ -28,7 +28,7 @@ struct GuideContext {
     Pose to;                 ///< planned foothold
   };
   std::optional<Step> step{};
-  bool stick_held = false;  ///< the stick is held: a guided trunk prefers stepping to shifting the COM
+  bool stick_held = false;  ///< a guided trunk then prefers stepping to shifting the COM
 
   double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
 

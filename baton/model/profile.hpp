@@ -16,7 +16,6 @@ struct Range {
   double lo = 0.0;
   double hi = 0.0;
 
-  [[nodiscard]] bool contains(double value) const { return lo <= value && value <= hi; }
   /// The nearest value inside.
   [[nodiscard]] double clamped(double value) const { return std::clamp(value, lo, hi); }
 };

@@ -214,7 +214,7 @@ std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Reques
     const Target within = guide_.within_region(context, whole);
     if (within.move.head<2>().dot(whole.move.head<2>()) > 0.0 && tried(within)) return best;
     const bool edge = against.reason == Reason::ground;
-    // A foot that would come too near to the other is not followed: their sides stay as they are.
+    // A foot that is guided towards the other does not push it away.
     const bool too_near = against.where == "sideways" && against.value < against.limit;
     const bool too_far = against.reason == Reason::foot_region && !too_near;
     if (edge && accepted(guide_.nearest_step(context, whole))) return best;
@@ -229,18 +229,16 @@ std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Reques
 }
 
 bool Strategy::worth(const Posture& from, const Motion& motion) const {
-  const Profile::Reach& reach = robot_->profile().reach;
   const Part part = motion.goal.guided;
+  const Vec6 least = kLeastProgress * reach_of(*robot_, part);
   const auto pose = [&](const Posture& posture) -> Pose {
     if (is_foot(part)) return posture.sole[side_of(part)];
     if (is_hand(part)) return posture.hand[side_of(part)];
     return {posture.com, posture.trunk};
   };
-  const double size = is_foot(part) ? reach.foot : is_hand(part) ? reach.hand : reach.trunk;
   const Pose a = pose(from);
   const Pose b = pose(motion.end);
-  return (b.p - a.p).norm() >= kLeastProgress * size ||
-         rotation_error(b.R, a.R).norm() >= kLeastProgress * reach.rotation;
+  return (b.p - a.p).norm() >= least[0] || rotation_error(b.R, a.R).norm() >= least[3];
 }
 
 PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {

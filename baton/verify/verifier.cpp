@@ -12,13 +12,11 @@ namespace {
 constexpr double kWrenchTolerance = 1e-3;  ///< share of the weight that vertex forces may miss: a rounding error
 constexpr double kTiltSlack = 0.01;        ///< by which the trunk may lean farther in motion than at rest [rad]
 constexpr double kTiltRounding = 1e-6;     ///< [rad]
-constexpr double kDistanceSlack =
-    1e-5;  ///< by which a distance that is below its limit already may shrink: rounding [m]
-constexpr double kTravelClearance = 0.2;  ///< clearance of a travelling foot, share of the swing clearance
-constexpr double kTravelSlope = 0.3;      ///< height over horizontal distance, near lift-off and touchdown
-constexpr double kContactHeight =
-    -2.0;                             ///< height of a sole above the terrain at lift-off and touchdown [`ik.position`]
-constexpr double kMarginStep = 0.25;  ///< step by which the edge margin is reduced, as share of it
+constexpr double kDistanceSlack = 1e-5;    ///< rounding error of a distance that is below its limit already [m]
+constexpr double kTravelClearance = 0.2;   ///< clearance of a travelling foot, share of the swing clearance
+constexpr double kTravelSlope = 0.3;       ///< height over horizontal distance, near lift-off and touchdown
+constexpr double kContactHeight = -2.0;    ///< of a sole above the terrain, at lift-off and touchdown [`ik.position`]
+constexpr double kMarginStep = 0.25;       ///< step by which the edge margin is reduced, as share of it
 
 bool is_finite(const MotionSample& sample) {
   const auto pose = [](const Pose& x) { return x.p.allFinite() && x.R.allFinite(); };
