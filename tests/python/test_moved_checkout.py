@@ -88,3 +88,14 @@ def test_the_environment_is_made_anew_in_another_place(checkout, tmp_path):
     moved = checkout.rename(tmp_path / "elsewhere")
     there = set_up(moved, tools)
     assert there.returncode == 2 and "Python 3.11 or newer" in there.stderr
+
+
+def test_an_environment_that_is_a_link_is_not_emptied(checkout, tmp_path):
+    shared = tmp_path / "shared environment"
+    shared.mkdir()
+    (shared / "kept").touch()
+    (checkout / ".venv").symlink_to(shared)
+    done = subprocess.run(["bash", "scripts/setup"], cwd=checkout, env=os.environ | {"BATON_SKIP_PACKAGES": "1"},
+                          capture_output=True, text=True, timeout=60)  # fmt: skip
+    assert done.returncode == 2 and ".venv is a symbolic link" in done.stderr
+    assert (shared / "kept").exists()
