@@ -46,7 +46,11 @@ int operate(const OperateOptions& o) {
   bool first = true;
   double held = 0.0;  // time the hand has been at the door [s]
   double best = 0.0;
-  double error = std::numeric_limits<double>::infinity();
+  const auto hand_error = [&] {
+    kinematics.set(simulation.truth().q);
+    return (kinematics.hand(Side::left).p - door).norm();
+  };
+  double error = hand_error();
   std::string_view doing;
   bool refused = false;
   const double period = robot.profile().tick.period;
@@ -67,8 +71,7 @@ int operate(const OperateOptions& o) {
                     to_string(refusal->reason), place(*refusal), refusal->value, refusal->limit);
     }
     refused = refusal != nullptr;
-    kinematics.set(simulation.truth().q);
-    error = (kinematics.hand(Side::left).p - door).norm();
+    error = hand_error();
     held = error < kReached ? held + period : 0.0;
     best = std::max(best, held);
   }
