@@ -12,7 +12,7 @@
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
-#include "baton/proving/crew.hpp"
+#include "baton/proving/episode_pool.hpp"
 #include "baton/record/output_file.hpp"
 
 namespace baton::app {
@@ -168,9 +168,9 @@ int soak(const SoakOptions& o) {
   report.write(0.0, o.jobs);  // fail before the work if it cannot be written
   double written = 0.0;
   if (done() < 1.0) {
-    Crew crew(episodes, tally.episodes, o.jobs);
+    EpisodePool pool(episodes, tally.episodes, o.jobs);
     while (done() < 1.0 && !interrupted) {
-      if (const std::optional<EpisodeResult> result = crew.wait(std::chrono::milliseconds(200))) {
+      if (const std::optional<EpisodeResult> result = pool.wait(std::chrono::milliseconds(200))) {
         const bool listed = tally.listed.size() < Tally::kListed;
         report.tally.add(result->tally);
         if (listed && result->tally.failures > 0) {

@@ -9,7 +9,7 @@
 #include "app/outputs.hpp"
 #include "app/soak.hpp"
 #include "baton/model/error.hpp"
-#include "baton/proving/crew.hpp"
+#include "baton/proving/episode_pool.hpp"
 #include "baton/record/output_file.hpp"
 
 namespace baton::app {
@@ -134,9 +134,9 @@ int soak_scenarios(const SoakOptions& o) {
     Row row;
     row.name = scenario.name;
     {
-      Crew crew(episodes, 0, o.jobs);
+      EpisodePool pool(episodes, 0, o.jobs);
       while (row.tried < *o.seeds && !interrupted) {
-        const std::optional<EpisodeResult> result = crew.wait(std::chrono::milliseconds(200));
+        const std::optional<EpisodeResult> result = pool.wait(std::chrono::milliseconds(200));
         if (!result) continue;
         const long seed = o.seed + row.tried;
         const long before = row.fell;

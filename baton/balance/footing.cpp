@@ -127,11 +127,11 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   const double band = rates_.moment_band * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);
   Tipping& tipping = tipping_[side];
-  tipping.lasts = tips.dot(tipping.moment) > 0.0 ? tipping.lasts + period_ : 0.0;
+  tipping.duration = tips.dot(tipping.moment) > 0.0 ? tipping.duration + period_ : 0.0;
   tipping.moment = tips;
   // Terrain under the whole sole would have balanced a moment that lasts so long: the sole tips on an edge. The state
   // is kept in the air until the sole lands.
-  const double faster = std::clamp(tipping.lasts / kTippingTime, 1.0, kMaxTippingGain);
+  const double faster = std::clamp(tipping.duration / kTippingTime, 1.0, kMaxTippingGain);
   offset.turn.head<2>() += carries * share_of(rates_.yield_tilt) * faster * tips;
 
   // A sole that tips over its edge tells nothing about the terrain.
@@ -173,13 +173,13 @@ void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
     kinematics.set(shifted_);
     there = true;
     for (const Side side : kSides)
-      there = reach(side, goal[side], kinematics, q) && there;
+      there = step_towards(side, goal[side], kinematics, q) && there;
   }
   shift_ = shifted_.tail(n) - joints;
   joints += shift_;
 }
 
-bool Footing::reach(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q) {
+bool Footing::step_towards(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q) {
   const Pose sole = kinematics.sole(side);
   Vec6 error;
   error << goal.p - sole.p, rotation_error(goal.R, sole.R);

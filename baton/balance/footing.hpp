@@ -35,7 +35,7 @@ class Footing {
   struct Rates {
     double height = 2.4;          ///< height of a loaded sole
     double height_early = 4.9;    ///< the same after early touchdown
-    double early_gain = 0.0;      ///< least factor on the rates after early touchdown, however small the load [-]
+    double early_gain = 0.0;      ///< lower bound of the gain by load, after early touchdown [-]
     double late = 0.1;            ///< downward search speed while an expected contact is missing [COM height × ω]
     double place = 1.3;           ///< horizontal position of a loaded sole
     double tilt = 1.3;            ///< tilt of a loaded sole
@@ -60,11 +60,11 @@ class Footing {
   /// Excess moment on a sole.
   struct Tipping {
     Vec2 moment = Vec2::Zero();  ///< beyond the dead band [weight × COM height]
-    double lasts = 0.0;          ///< time for which its direction has been about the same [s]
+    double duration = 0.0;       ///< time for which its direction has been about the same [s]
   };
 
   /// One Levenberg–Marquardt step of `shifted_`, which `kinematics` is set to. Returns whether the sole had converged.
-  bool reach(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q);
+  bool step_towards(Side side, const Pose& goal, const Kinematics& kinematics, const VecX& q);
   /// `angle` clamped to the joint's range inset by `margin.joint`, extended to the planned angle [rad].
   [[nodiscard]] double within_range(int joint, double planned, double angle) const;
 

@@ -39,7 +39,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     return completed_;
   }
   const int n = robot_->nv() - 6;
-  const RootImu::Motion imu = imu_.update(measurement.imu);
+  const RootImu::RootMotion imu = imu_.update(measurement.imu);
   speeds_.smooth(completed_.dq, planned.dq.tail(n));
   set_root(q_, {Vec3::Zero(), imu.R});
   q_.tail(n) = measurement.q;

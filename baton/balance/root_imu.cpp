@@ -6,10 +6,10 @@ namespace baton {
 
 RootImu::RootImu(const Pose& sensor, double yaw, double period) : sensor_(sensor), start_yaw_(yaw), period_(period) {}
 
-RootImu::Motion RootImu::update(const Measurement::Imu& imu) {
+RootImu::RootMotion RootImu::update(const Measurement::Imu& imu) {
   const bool first = std::exchange(first_, false);
   if (first) yaw_offset_ = rotation_z(start_yaw_ - yaw_of(imu.attitude * sensor_.R.transpose()));
-  Motion root;
+  RootMotion root;
   root.R = yaw_offset_ * imu.attitude * sensor_.R.transpose();
   root.rate = sensor_.R * imu.rate;
 

@@ -13,14 +13,14 @@ class RootImu {
   RootImu(const Pose& sensor, double yaw, double period);
 
   /// Motion of the root.
-  struct Motion {
+  struct RootMotion {
     Mat3 R = Mat3::Identity();          ///< attitude in the world
     Vec3 rate = Vec3::Zero();           ///< angular velocity, in the root frame [rad/s]
     Vec3 angular_accel = Vec3::Zero();  ///< in the world [rad/s²]; zero at the first reading
     Vec3 acceleration = Vec3::Zero();   ///< of the root's origin, in the world, gravity removed [m/s²]
   };
 
-  [[nodiscard]] Motion update(const Measurement::Imu& imu);
+  [[nodiscard]] RootMotion update(const Measurement::Imu& imu);
 
  private:
   Pose sensor_;

@@ -5,7 +5,7 @@ namespace baton {
 SoleWrenches::SoleWrenches(const RobotModel& robot)
     : robot_(&robot), jacobian_(6, robot.nv()), ddq_(VecX::Zero(robot.nv())), force_(VecX::Zero(robot.nv())) {}
 
-BySide<Wrench> SoleWrenches::estimate(const Motion& motion, const VecX& torque, Kinematics& kinematics) {
+BySide<Wrench> SoleWrenches::estimate(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics) {
   ddq_.head<3>() = motion.acceleration;
   ddq_.segment<3>(3) = motion.angular_accel;
   ddq_.tail(robot_->nv() - 6) = motion.ddq;

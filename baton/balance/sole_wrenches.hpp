@@ -11,7 +11,7 @@ class SoleWrenches {
   explicit SoleWrenches(const RobotModel& robot);
 
   /// Motion of the robot.
-  struct Motion {
+  struct BodyMotion {
     const VecX& q;               ///< configuration (nq); the root's position does not matter
     const VecX& dq;              ///< velocity (nv)
     Vec3 acceleration;           ///< of the root's origin, in the world [m/s²]
@@ -23,7 +23,7 @@ class SoleWrenches {
   /// need by inverse dynamics beyond their motor torques. Zero where the leg is singular.
   /// @param torque motor torques (n) [N·m]
   /// @param kinematics gets set to `motion.q`
-  [[nodiscard]] BySide<Wrench> estimate(const Motion& motion, const VecX& torque, Kinematics& kinematics);
+  [[nodiscard]] BySide<Wrench> estimate(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics);
 
  private:
   const RobotModel* robot_;

@@ -48,7 +48,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   target_.ddq = next.ddq.tail(n);
   target_.contact = next.contact;
   footing_.apply(kinematics_, next.q, commanded_);
-  target_.shift = commanded_ - target_.q;
+  target_.q_correction = commanded_ - target_.q;
   for (int j = 0; j < n; ++j) {
     target_.tau[j] += robot_->joints()[static_cast<std::size_t>(j)].motor.damping * target_.dq[j] + integral_torque_[j];
   }

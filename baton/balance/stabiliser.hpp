@@ -9,7 +9,7 @@ namespace baton {
 
 /// The stabiliser's latest correction, for the navigator and for recording.
 struct Correction {
-  Vec3 dcm_error = Vec3::Zero();    ///< measured − planned DCM [m]
+  Vec3 dcm_error = Vec3::Zero();    ///< measured − planned DCM, in the planning frame [m]
   Vec2 zmp = Vec2::Zero();          ///< commanded ZMP, in the planning frame [m]
   Vec2 zmp_deficit = Vec2::Zero();  ///< commanded − measured ZMP, low-passed: what the terrain fails to support [m]
 };

@@ -14,10 +14,10 @@ constexpr double kTolerance = 1e-7;  ///< change in a sweep below which it ends 
 
 /// Contact-wrench cone for (fx, fy, fz, mx, my, mz) about the sole's centre. Friction-force rows are multiplied by
 /// `lever` [m].
-WrenchDistribution::Limits limits_of(const ConvexPolygon& outline, double friction, double lever) {
+WrenchDistribution::ConeRows limits_of(const ConvexPolygon& outline, double friction, double lever) {
   const std::vector<Vec2>& vertices = outline.vertices();
   const auto n = static_cast<Eigen::Index>(vertices.size());
-  WrenchDistribution::Limits limits = WrenchDistribution::Limits::Zero(n + 6, 6);
+  WrenchDistribution::ConeRows limits = WrenchDistribution::ConeRows::Zero(n + 6, 6);
   double radius = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vec2& from = vertices[static_cast<std::size_t>(i)];

@@ -8,7 +8,7 @@ namespace baton {
 class WrenchDistribution {
  public:
   /// Contact-wrench cone of a sole: L w ≥ 0 for a wrench w = (force, moment) in the sole frame.
-  using Limits = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
+  using ConeRows = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
   /// The robot must outlive the object.
   explicit WrenchDistribution(const RobotModel& robot);
@@ -27,8 +27,8 @@ class WrenchDistribution {
 
   const RobotModel* robot_;
   double lever_;  ///< weight of forces against moments: half the stance width [m]
-  BySide<Limits> limits_;
-  Limits A_;
+  BySide<ConeRows> limits_;
+  ConeRows A_;
   VecX b_;
   VecX multiplier_;  ///< Lagrange multipliers of the rows of A
 };

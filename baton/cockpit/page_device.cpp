@@ -43,7 +43,7 @@ bool PageDevice::give(Page page, const Command& command, bool deadman) {
   // A silence counts even if nobody called `read` meanwhile.
   if (!heard() || (stops() && wanted.recall != Recall::stop)) arming_.update(false, false);
   heard_at_ = clock_();
-  arming_.update(true, at_rest(wanted));
+  arming_.update(true, controls_released(wanted));
   command_ = wanted;
   return true;
 }

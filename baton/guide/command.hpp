@@ -8,7 +8,7 @@
 
 namespace baton {
 
-/// A request by button, instead of the stick.
+/// What a held button asks for, instead of the stick.
 enum class Recall : std::uint8_t {
   none,
   retrace,  ///< go back the way it came
@@ -46,10 +46,11 @@ inline constexpr double kLeastLift = 0.05;
 [[nodiscard]] Vec6 reach_of(const RobotModel& robot, Part part);
 
 /// Displacement of the guided part that the axes request, in the heading frame: position [m], rotation vector [rad].
-/// Zero along axes that the part cannot use: a foot's z, roll and pitch, and the attitude of a hand without one.
+/// Zero along axes that the part cannot use: a foot's z, roll and pitch, and the rotation of a hand whose arm has fewer
+/// than six joints.
 [[nodiscard]] Vec6 requested_move(const RobotModel& robot, const Command& command);
 
-/// Whether `a` guides a foot that `b` does not, or with another lift, beyond device jitter.
+/// Whether `a` guides a foot, and `b` another part or that foot with a different lift, beyond device jitter.
 [[nodiscard]] bool lever_moved(const Command& a, const Command& b);
 
 /// Whether two commands differ in guided part, axes or the lift of `a`'s foot, beyond device jitter. Ignores recalls.

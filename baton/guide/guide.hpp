@@ -15,8 +15,9 @@ namespace baton {
 
 /// State that the rules depend on, beside the command. Poses are in the planning frame unless noted.
 struct GuideContext {
-  /// Planned posture that goals are relative to. At rest, except for `stops` and `catches`. With a step under way, the
-  /// posture that it began in, on both feet.
+  /// Planned posture that goals are relative to. For a request from rest, the posture at rest. While moving: the rest
+  /// that the motion leads to, or the posture it began in, with the guided part where it is now (`due`). For `stops`
+  /// and `capture_steps`: the moving posture itself.
   Posture from;
   Pose anchor;                   ///< planning frame in the world: position and yaw
   Side last_step = Side::right;  ///< the foot that stepped last
@@ -33,7 +34,7 @@ struct GuideContext {
   double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
 
   Pose slip_free_frame{};   ///< where the planning frame would be in the world if no sole had slipped
-  Pose drift_correction{};  ///< displacement towards it, in the planning frame, that a guided trunk applies to its goal
+  Pose drift_correction{};  ///< correction towards `slip_free_frame`, in the planning frame, for a guided trunk
 };
 
 /// Displacement requested of the guided part.
@@ -87,12 +88,13 @@ class Guide {
   /// A foot in the air lands, preferably on its planned foothold.
   [[nodiscard]] GuideResult stops(const GuideContext& context) const;
 
-  /// Capture steps after a push, from `context.from`, which may move. The foot in the air, the one about to lift off,
-  /// or else one of both lands farther by `by`, or by half of it, within its region. Nothing for a sideways push on
-  /// both feet, as the foot on that side carries the weight.
+  /// Capture steps after a push, from `context.from`, which may move: of the foot in the air, else of the one about to
+  /// lift off, else of the less loaded one, or of either after a push straight ahead. The foothold is displaced by
+  /// `by`, or by half of it, within its region. Nothing for a sideways push on both feet, as the foot on that side
+  /// carries the weight.
   /// @param by displacement of the foothold, in the planning frame [m]
   /// @param aside after a sideways push, step with the other foot all the same
-  [[nodiscard]] GuideResult catches(const GuideContext& context, const Vec2& by, bool aside = false) const;
+  [[nodiscard]] GuideResult capture_steps(const GuideContext& context, const Vec2& by, bool aside = false) const;
 
  private:
   struct Placement;  ///< a foothold, or the reason why it is invalid

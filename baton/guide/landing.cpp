@@ -75,7 +75,7 @@ GuideResult Guide::stops(const GuideContext& context) const {
   return goals;
 }
 
-GuideResult Guide::catches(const GuideContext& context, const Vec2& by, bool aside) const {
+GuideResult Guide::capture_steps(const GuideContext& context, const Vec2& by, bool aside) const {
   const Profile& profile = robot_->profile();
   const Posture& from = context.from;
   std::vector<Goal> goals;

@@ -16,9 +16,10 @@ struct Guide::Placement {
   std::optional<Refusal> refusal;
 };
 
-inline constexpr double kSamePlace = 0.004;    ///< places closer than this are the same [COM height]
-inline constexpr double kSameYaw = 0.01;       ///< headings closer than this are the same [rad]
-inline constexpr double kSameDirection = 0.7;  ///< cosine of the angle below which two directions are the same
+inline constexpr double kSamePlace = 0.004;  ///< places closer than this are the same [COM height]
+inline constexpr double kSameYaw = 0.01;     ///< headings closer than this are the same [rad]
+inline constexpr double kSameDirection =
+    0.7;  ///< two directions count as the same if the cosine of their angle is larger
 
 /// Least lift of a foot in the air [m]. Just above the ground it would scrape as soon as it lags behind its plan.
 [[nodiscard]] inline double least_lift(const Profile& profile) {

@@ -11,7 +11,7 @@ namespace baton {
 struct DeviceStatus {
   std::string name;        ///< display name; empty without a device
   bool connected = false;  ///< present and able to give commands
-  bool armed = false;      ///< its commands count: it has been neutral since it was connected
+  bool armed = false;      ///< its commands count: its controls were released since it was connected
   std::string hint;        ///< one short sentence: what the operator must do to arm it; may be empty
 };
 

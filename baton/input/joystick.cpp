@@ -136,7 +136,7 @@ Command Joystick::read(double t) {
       if (!lever_known_[side]) command.lift[side] = 0.0;
     }
   }
-  const bool rests = at_rest(command);
+  const bool rests = controls_released(command);
   arming_.update(handle_ && (rests || age() <= parameters_.max_age), rests);
   if (!arming_.armed()) return neutral(guide_);
   guide_ = command.guide;

@@ -64,7 +64,7 @@ Json parse_json(std::string_view text, const std::string& place) {
 
 JsonReader JsonReader::at(const char* key) const {
   const std::string name = field_.empty() ? key : fmt::format("{}.{}", field_, key);
-  if (!json_->is_object()) complain("an object with the key " + std::string(key));
+  if (!json_->is_object()) fail("an object with the key " + std::string(key));
   const auto found = json_->find(key);
   if (found == json_->end()) throw InputError(fmt::format("{}: {} is missing", place_, name));
   return {*found, place_, name};
@@ -75,8 +75,8 @@ JsonReader JsonReader::member(std::size_t i) const {
 }
 
 std::vector<JsonReader> JsonReader::list(std::optional<std::size_t> size) const {
-  if (!json_->is_array() || json_->empty()) complain("a list that is not empty");
-  if (size && json_->size() != *size) complain(fmt::format("a list of {}, not of {}", *size, json_->size()));
+  if (!json_->is_array() || json_->empty()) fail("a list that is not empty");
+  if (size && json_->size() != *size) fail(fmt::format("a list of {}, not of {}", *size, json_->size()));
   std::vector<JsonReader> members;
   for (std::size_t i = 0; i < json_->size(); ++i)
     members.push_back(member(i));
@@ -84,7 +84,7 @@ std::vector<JsonReader> JsonReader::list(std::optional<std::size_t> size) const 
 }
 
 std::string JsonReader::text() const {
-  if (!json_->is_string()) complain("a text");
+  if (!json_->is_string()) fail("a text");
   return json_->get<std::string>();
 }
 
@@ -94,30 +94,30 @@ std::string JsonReader::one_of(std::initializer_list<std::string_view> words) co
     if (*json_ == word) return std::string(word);
     all += fmt::format("{}{}", all.empty() ? "" : word == *(words.end() - 1) ? " or " : ", ", word);
   }
-  complain(all);
+  fail(all);
 }
 
-bool JsonReader::truth() const {
-  if (!json_->is_boolean()) complain("true or false");
+bool JsonReader::boolean() const {
+  if (!json_->is_boolean()) fail("true or false");
   return json_->get<bool>();
 }
 
 double JsonReader::number() const {
-  if (!json_->is_number()) complain("a number");
+  if (!json_->is_number()) fail("a number");
   return json_->get<double>();
 }
 
-long JsonReader::whole(long least, long most) const {
+long JsonReader::integer(long least, long most) const {
   const auto wanted = [&] { return fmt::format("a whole number from {} to {}", least, most); };
-  if (!json_->is_number_integer()) complain(wanted());
+  if (!json_->is_number_integer()) fail(wanted());
   // Unsigned values beyond the signed range would turn negative.
   const bool huge = json_->is_number_unsigned() && json_->get<std::uint64_t>() > std::numeric_limits<long>::max();
-  if (huge || json_->get<long>() < least || json_->get<long>() > most) complain(wanted());
+  if (huge || json_->get<long>() < least || json_->get<long>() > most) fail(wanted());
   return json_->get<long>();
 }
 
 VecX JsonReader::vector(Eigen::Index size, bool nulls) const {
-  if (!json_->is_array()) complain(fmt::format("a list of {} numbers", size));
+  if (!json_->is_array()) fail(fmt::format("a list of {} numbers", size));
   if (static_cast<Eigen::Index>(json_->size()) != size) {
     throw InputError(
         fmt::format("{}: {} has {} members: must be a list of {} numbers", place_, field_, json_->size(), size));
@@ -133,7 +133,7 @@ VecX JsonReader::vector(Eigen::Index size, bool nulls) const {
   return v;
 }
 
-void JsonReader::complain(const std::string& wanted) const {
+void JsonReader::fail(const std::string& wanted) const {
   throw InputError(
       fmt::format("{}: {}{}: must be {}", place_, field_.empty() ? "" : field_ + " = ", shown(*json_), wanted));
 }

@@ -41,14 +41,14 @@ class JsonReader {
   [[nodiscard]] std::vector<JsonReader> list(std::optional<std::size_t> size = std::nullopt) const;
   [[nodiscard]] std::string text() const;
   [[nodiscard]] std::string one_of(std::initializer_list<std::string_view> words) const;
-  [[nodiscard]] bool truth() const;
+  [[nodiscard]] bool boolean() const;
   [[nodiscard]] double number() const;
-  [[nodiscard]] long whole(long least, long most) const;
+  [[nodiscard]] long integer(long least, long most) const;
   /// @param nulls accept `null` as NaN
   [[nodiscard]] VecX vector(Eigen::Index size, bool nulls = false) const;
   [[nodiscard]] const nlohmann::json& json() const { return *json_; }
 
-  [[noreturn]] void complain(const std::string& wanted) const;
+  [[noreturn]] void fail(const std::string& wanted) const;
 
  private:
   [[nodiscard]] JsonReader member(std::size_t i) const;

@@ -57,10 +57,10 @@ class Line {
   [[nodiscard]] double time(double earliest) const {
     if (!json_.contains("t")) throw InputError(fmt::format("{}: t is missing: must be a time in seconds", place_));
     const Json& value = json_["t"];
-    if (!value.is_number() || value.get<double>() < 0.0) complain("t", "a time in seconds, 0 or more");
+    if (!value.is_number() || value.get<double>() < 0.0) fail("t", "a time in seconds, 0 or more");
     const auto t = value.get<double>();
-    if (t < earliest) complain("t", fmt::format("at least {}, the time of the line before", earliest));
-    if (t > kLatest) complain("t", fmt::format("at most {:.0f} s, a day", kLatest));
+    if (t < earliest) fail("t", fmt::format("at least {}, the time of the line before", earliest));
+    if (t > kLatest) fail("t", fmt::format("at most {:.0f} s, a day", kLatest));
     return t;
   }
 
@@ -69,7 +69,7 @@ class Line {
     for (const Part part : kParts) {
       if (json_["guide"] == to_string(part)) return part;
     }
-    complain("guide", "left_foot, right_foot, left_hand, right_hand or trunk");
+    fail("guide", "left_foot, right_foot, left_hand, right_hand or trunk");
   }
 
   [[nodiscard]] Vec6 axes() const {
@@ -98,23 +98,23 @@ class Line {
  private:
   [[nodiscard]] bool held(const char* key) const {
     if (!json_.contains(key)) return false;
-    if (!json_[key].is_boolean()) complain(key, "true or false");
+    if (!json_[key].is_boolean()) fail(key, "true or false");
     return json_[key].get<bool>();
   }
 
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(const char* key, const char* wanted) const {
     const Json& list = json_[key];
-    if (!list.is_array() || list.size() != N) complain(key, wanted);
+    if (!list.is_array() || list.size() != N) fail(key, wanted);
     std::array<double, N> values{};
     for (std::size_t i = 0; i < N; ++i) {
-      if (!list[i].is_number() && !list[i].is_null()) complain(key, wanted);
+      if (!list[i].is_number() && !list[i].is_null()) fail(key, wanted);
       values[i] = list[i].is_null() ? std::numeric_limits<double>::quiet_NaN() : list[i].get<double>();
     }
     return values;
   }
 
-  [[noreturn]] void complain(const char* key, std::string_view wanted) const {
+  [[noreturn]] void fail(const char* key, std::string_view wanted) const {
     throw InputError(fmt::format("{}: {} = {}: must be {}", place_, key, shown(json_[key]), wanted));
   }
 

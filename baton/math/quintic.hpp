@@ -28,8 +28,9 @@ class Quintic {
 /// Rest-to-rest quintic blend of s = t/duration in 0…1: 10 s³ − 15 s⁴ + 6 s⁵, and its time derivatives.
 [[nodiscard]] Jet smooth_step(double t, double duration);
 
-/// How an initial velocity v and acceleration a die out along a path blended by `smooth_step`: the path gets
-/// `velocity` v + `acceleration` a added. Both quintics are zero at both ends, and end at rest (docs/theory.md §9).
+/// Basis functions by which an initial velocity v and acceleration a decay along a path blended by `smooth_step`:
+/// `velocity`·v + `acceleration`·a is added to the path. Both are zero at both ends, and end at rest (docs/theory.md
+/// §9).
 struct Carry {
   double velocity = 0.0;      ///< [s]
   double acceleration = 0.0;  ///< [s²]

@@ -27,7 +27,7 @@ void install_mujoco_handlers();
 /// themselves; it is recursive.
 [[nodiscard]] std::unique_lock<std::recursive_mutex> lock_compiler();
 
-/// Number of MuJoCo warnings on this thread so far. A warning ends a run as a failure.
+/// Number of MuJoCo warnings on this thread so far.
 [[nodiscard]] int mujoco_warnings();
 
 /// Reads an MJCF or URDF file.

@@ -38,7 +38,7 @@ enum class Drive {
 /// Contents of a robot's `profile.toml`, in SI units and radians.
 struct Profile {
   std::string name;
-  std::filesystem::path model;  ///< MJCF or URDF, absolute
+  std::filesystem::path model;  ///< MJCF file, absolute
 
   /// Names in the model.
   struct Parts {
@@ -57,7 +57,7 @@ struct Profile {
 
   std::map<std::string, double> home;  ///< home pose of the arms: joint name → angle [rad]
 
-  /// Displacement of the guided part in one segment at full stick.
+  /// Displacement of the guided part in one segment at full stick. Not the workspace.
   struct Reach {
     double foot = 0.0;      ///< [m]
     double trunk = 0.0;     ///< [m]
@@ -92,9 +92,9 @@ struct Profile {
 
   /// Duration correction (docs/theory.md §4) [s].
   struct Duration {
-    double first = 0.0;
-    double step = 0.0;
-    double max = 0.0;
+    double first = 0.0;  ///< tried first; key `default`
+    double step = 0.0;   ///< increment
+    double max = 0.0;    ///< longest
   } duration;
 
   /// Shares of the duration by contact phase, and weights of the VRP knots at the phase borders.
@@ -116,7 +116,7 @@ struct Profile {
     double torque = 0.0;          ///< largest share of the stall torque
     double acceleration = 0.0;    ///< largest joint acceleration [rad/s²]
     double friction = 0.0;        ///< largest ratio of tangential to normal force
-    double self_collision = 0.0;  ///< least distance between links [m]
+    double self_collision = 0.0;  ///< least distance between links, and of links from the world [m]
     double edge = 0.0;            ///< least distance of a foothold from terrain edges [m]
   } margin;
 

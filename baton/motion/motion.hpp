@@ -26,7 +26,7 @@ struct JointTarget {
   VecX ddq;                          ///< [rad/s²]
   VecX tau;                          ///< feed-forward joint torque, including motor damping (n) [N·m]
   BySide<bool> contact{true, true};  ///< planned contacts
-  VecX shift;  ///< added to `q` by balance control, to fit the actual ground; empty: nothing (n) [rad]
+  VecX q_correction;  ///< added to `q` by balance control, to fit the actual ground; empty: nothing (n) [rad]
 };
 
 /// Planned state at one tick.
@@ -65,7 +65,7 @@ struct Motion {
   MotionSample rest;                  ///< sample that holds after the end
   SwingArc swing;                     ///< if a foot swings
   bool retraces = false;              ///< an executed motion in reverse
-  /// Where a partial retrace leaves the executed motion for the rest that it ends at: index of the sample.
+  /// Partial retrace only: index of the sample after which it departs from the reversed trail to come to rest.
   std::optional<int> leaves;
 
   [[nodiscard]] int ticks() const { return static_cast<int>(samples.size()) - 1; }

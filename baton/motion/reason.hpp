@@ -8,7 +8,7 @@
 namespace baton {
 
 enum class Reason {
-  // from the guide: the goal
+  // about the goal: by guide and strategy; `sole_gap`, `ground` and `trunk_inclination` also along the motion
   foot_region,        ///< foothold outside the foot's reachable region
   foot_yaw,           ///< too much yaw between the soles
   sole_gap,           ///< soles closer than allowed
@@ -19,7 +19,7 @@ enum class Reason {
   no_landing,         ///< the lifted foot could not land from there; the cause says why
   no_history,         ///< nothing left to retrace
   inclined_sole,      ///< the sole that would have to carry alone is tilted, as on an edge
-  // from planner and verifier: the motion
+  // about the motion: by planner and verifier
   zmp,                 ///< ZMP too close to the edge of the support polygon
   unreachable,         ///< inverse kinematics leaves a residual above tolerance
   joint_limit,         ///< joint too close to a position limit
@@ -43,7 +43,7 @@ enum class Unit {
   angle,         ///< [rad]
   speed,         ///< [rad/s]
   acceleration,  ///< [rad/s²]
-  share,         ///< fraction of what is available [-]
+  share,         ///< fraction of the stall torque [-]
   number,        ///< ratio [-], or residual in m or rad
 };
 

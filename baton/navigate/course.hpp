@@ -13,17 +13,17 @@ namespace baton {
 struct Resting {};
 /// A committed motion is under way.
 struct Executing {
-  std::shared_ptr<const Answer> answer;  ///< that has a motion
+  std::shared_ptr<const Answer> answer;  ///< has a motion
 };
-/// It follows the stick, or goes home.
+/// The robot follows the stick, or goes home.
 struct Moving : Executing {};
-/// It goes back along a trail.
+/// The robot retraces a trail.
 struct Retracing : Executing {
   std::shared_ptr<const Trail> trail;  ///< null after a slip: no rest on it can be trusted
 };
-/// It comes to a planned rest on a way back.
+/// While retracing: the robot comes to a planned rest on the trail.
 struct Halting : Executing {};
-/// It comes to rest as soon as possible.
+/// The robot comes to rest as soon as possible.
 struct Stopping : Executing {};
 /// A capture step.
 struct Catching : Executing {};
@@ -41,24 +41,24 @@ class Course {
 
   // What a tick does; handles that are given up go to `retired`.
 
-  /// On to the next sample; rest after the last.
+  /// Advances to the next sample; after the last, to rest.
   void advance(Retired& retired);
   /// Executes the answer's motion from its first sample on.
-  /// @param trail that a motion back goes along
+  /// @param trail the one that the motion retraces; else null
   void commit(std::shared_ptr<const Answer> answer, std::shared_ptr<const Trail> trail, Retired& retired);
   /// Drops the motion, as after a fall.
   void drop(Retired& retired);
-  /// Soles slid farther than is made up for: the robot goes on from where it stands.
-  /// @param slid of the standing soles, as a move of the planning frame
+  /// Accepts a slip that is too large to correct: the slip-free frame becomes the current place.
+  /// @param slid displacement of the stance soles, as a displacement of the planning frame
   void accept_slip(const Pose& slid) { slip_free_frame_ = anchor_ * slid; }
-  /// At rest with a centred stick: the robot goes on from where it stands.
+  /// At rest with a centred stick: the slip-free frame becomes the planning frame.
   void accept_place() { slip_free_frame_ = anchor_; }
-  /// Moves the planning frame to where the soles stand, little by little.
+  /// Moves the planning frame gradually to where the soles stand.
   void settle(const Pose& slid);
 
   // What `Navigator::poll` does.
 
-  /// A slip has ended the way back: no rest on the trail can be trusted.
+  /// After a slip, no rest on the trail can be trusted.
   void forget_trail();
   /// Begins anew from the posture in which the robot stands.
   void begin_anew(const Posture& posture);
@@ -88,7 +88,7 @@ class Course {
   /// The foot that stepped last, and where each foot stood last, before the motion under way.
   [[nodiscard]] Side last_step() const { return last_step_; }
   [[nodiscard]] const BySide<Pose>& foothold() const { return foothold_; }
-  /// The same once the motion under way has ended.
+  /// Updates both by the steps of the motion under way, as they will be after it.
   void note_steps(Side& last_step, BySide<Pose>& foothold) const;
   /// Uncertainty of the robot's place for which the newest motion was planned [m].
   [[nodiscard]] double uncertainty() const { return uncertainty_; }
@@ -98,7 +98,7 @@ class Course {
 
  private:
   [[nodiscard]] const std::shared_ptr<const Answer>* handle() const;
-  /// Gives the motion under way up.
+  /// Releases the motion under way.
   void retire(Retired& retired);
 
   const RobotModel* robot_;

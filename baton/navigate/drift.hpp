@@ -1,4 +1,4 @@
-/// Where the robot is against where its motions led: soles slide, and odometry is not exact.
+/// Drift: the difference between where the robot is and where its motions led, from slipping soles and odometry error.
 #pragma once
 
 #include "baton/guide/guide.hpp"
@@ -10,12 +10,12 @@ inline constexpr double kSlip = 0.2;
 /// Displacement and turn of the soles that are not corrected [COM height, rad].
 inline constexpr double kInPlace = 1e-3;
 
-/// What a motion that guides the trunk corrects of the drift by sliding soles: a move of the planning frame towards
-/// `context.slip_free_frame`, by at most a twentieth of the trunk's reach. Other commands correct nothing.
+/// Correction that a motion which guides the trunk applies for slipped soles: a displacement of the planning frame
+/// towards `context.slip_free_frame`, of at most a twentieth of the trunk's reach. Identity for all other commands.
 [[nodiscard]] Pose drift_correction(const RobotModel& robot, const GuideContext& context, const Command& command);
 
-/// An uncertainty of the robot's place, by which edges are kept farther away, but no more than still leaves room for
-/// steps past them [m].
+/// Uncertainty of the robot's position to add to the edge margin, capped so that steps past an edge remain possible
+/// [m].
 [[nodiscard]] double bounded_uncertainty(const RobotModel& robot, double uncertainty);
 
 }  // namespace baton

@@ -60,7 +60,7 @@ class Requests {
   /// The foot that is about to leave the ground at a sample, if one is.
   [[nodiscard]] std::optional<LiftOff> lift_off(int at) const;
   /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
-  [[nodiscard]] std::optional<Halt> halt_from(int at) const;
+  [[nodiscard]] std::optional<TrailRest> halt_from(int at) const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
   /// Whether what was refused would be refused again.
@@ -202,7 +202,7 @@ Request Requests::ending(int at) const {
 
 std::optional<Request> Requests::stopping(int at) const {
   if (course_.is<Retracing>()) {
-    const std::optional<Halt> halt = halt_from(at);
+    const std::optional<TrailRest> halt = halt_from(at);
     if (!halt) return std::nullopt;
     Request request = replacing(at);
     request.start.trail = std::get<Retracing>(course_.state()).trail;
@@ -293,7 +293,7 @@ bool Requests::replaceable(int at) const {
   const int lift_off = motion_->phases.front().ticks;
   const int change = at < lift_off ? lift_off : last_phase;
   if (swings && at < change && (change - at) * profile_.tick.period < least_flight(profile_)) return false;
-  // A stick that is let go of, a lever as it was: what is under way serves.
+  // A released stick and an unmoved lever: the motion under way serves.
   if (command.axes.isZero(0.0) && !lever_moved(command, now_.exchange.answered)) return false;
   return at > continues_at || differs(command, now_.exchange.answered);
 }
@@ -328,13 +328,13 @@ std::optional<LiftOff> Requests::lift_off(int at) const {
   return LiftOff{*motion_->goal.swing, (motion_->phases.front().ticks - at) * motion_->period};
 }
 
-std::optional<Halt> Requests::halt_from(int at) const {
+std::optional<TrailRest> Requests::halt_from(int at) const {
   const std::shared_ptr<const Trail>& trail = std::get<Retracing>(course_.state()).trail;
   if (!trail) return std::nullopt;
   const int leaves = motion_->leaves.value_or(motion_->ticks());
-  const std::vector<Halt> rests = halts(*trail);
+  const std::vector<TrailRest> rests = rests_on(*trail);
   const auto next = std::find_if(rests.begin(), rests.end(),
-                                 [&](const Halt& rest) { return rest.passed > at && rest.passed <= leaves; });
+                                 [&](const TrailRest& rest) { return rest.passed > at && rest.passed <= leaves; });
   const auto sample = motion_->samples.begin();
   if (next == rests.end() ||
       !std::all_of(sample + at, sample + next->passed, [](const MotionSample& s) { return both_stand(s.contact); }))

@@ -10,15 +10,15 @@ namespace baton {
 /// The newest request and its answer.
 struct Exchange {
   long asked_at = 0;                       ///< tick of the newest request; 0: ask again at once
-  long take_over = 0;                      ///< tick for which it was asked
+  long take_over = 0;                      ///< its take-over tick
   bool awaited = false;                    ///< the answer is awaited
-  bool for_stop = false;                   ///< the request is to come to rest
+  bool for_stop = false;                   ///< the request is a stop
   bool countered = false;                  ///< a stop was pressed since the request
   std::shared_ptr<const Answer> answer{};  ///< the answer, once it is there
   /// The command that was answered last since the motion under way began.
   Command answered;
   long dropped = 0;  ///< requests whose answer was not there at the take-over
-  int late = 0;      ///< requests in a row without an answer in time
+  int late = 0;      ///< consecutive late answers at rest; each doubles the lookahead of the next request
 };
 
 /// The newest refusal.

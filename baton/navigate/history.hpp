@@ -19,23 +19,23 @@ class History {
   /// The newest trail; null if there is none.
   [[nodiscard]] std::shared_ptr<const Trail> newest() const { return empty() ? nullptr : trails_.back(); }
 
-  // What a tick does: no memory is asked for, and what is replaced goes to `retired`.
+  // Called in a tick: these allocate nothing, and what is replaced goes to `retired`.
 
-  /// A motion that begins at rest has a trail of its own.
+  /// Begins a trail, for a motion that begins at rest.
   void append(std::shared_ptr<const Trail> trail) { trails_.push_back(std::move(trail)); }
-  /// A motion has replaced another on its way.
+  /// A motion has replaced another while it was under way.
   void replace_newest(std::shared_ptr<const Trail> trail, Retired& retired);
-  /// The newest trail is retraced, by the answer's motion; @returns it. After a part of the way back the rest remains.
+  /// Takes the newest trail, which the answer's motion retraces. After a partial retrace the remaining trail is kept.
   [[nodiscard]] std::shared_ptr<const Trail> retrace(const Answer& answer);
 
-  // What `Navigator::poll` does.
+  // Called by `Navigator::poll`.
 
   void clear() { trails_.clear(); }
-  /// Keeps no more than there is room for.
+  /// Drops the oldest trails that there is no room for.
   void forget();
 
  private:
-  std::vector<std::shared_ptr<const Trail>> trails_;  ///< the newest last; null: that motion leads back to no rest
+  std::vector<std::shared_ptr<const Trail>> trails_;  ///< the newest last; null: nothing to retrace
 };
 
 }  // namespace baton

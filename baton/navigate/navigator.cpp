@@ -14,7 +14,7 @@ constexpr int kMostLate = 5;        ///< doublings of the lookahead at rest, whe
 
 /// Whether an answer is taken over in spite of a push or a centred stick.
 bool urgent(const Answer& answer) {
-  return answer.stops() || answer.capture() != nullptr;
+  return stops(answer.intent) || answer.capture() != nullptr;
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ std::optional<Request> Navigator::request() {
   exchange_.take_over = request->at;
   exchange_.awaited = true;
   const Intent& first = request->intents.front();
-  exchange_.for_stop = std::holds_alternative<Stop>(first) || std::holds_alternative<HaltAt>(first);
+  exchange_.for_stop = stops(first);
   exchange_.countered = false;
   return request;
 }
@@ -125,7 +125,7 @@ bool Navigator::valid(const Answer& answer) const {
   if (next == nullptr) return true;
   if (std::holds_alternative<Retrace>(answer.intent) && history_.empty()) return false;  // a slip has ended it
   const bool sooner = motion() == nullptr || next->ticks() < motion()->ticks() - course_.index();
-  return !answer.stops() || course_.is<Retracing>() || sooner;
+  return !stops(answer.intent) || course_.is<Retracing>() || sooner;
 }
 
 void Navigator::commit(std::shared_ptr<const Answer> answer) {
@@ -202,7 +202,7 @@ Purpose Navigator::purpose() const {
   if (std::holds_alternative<Catch>(intent)) return Purpose::capture;
   if (std::holds_alternative<Retrace>(intent)) return Purpose::retrace;
   if (std::holds_alternative<Home>(intent)) return Purpose::home;
-  return course_.answer()->stops() ? Purpose::stop : Purpose::follow;
+  return stops(course_.answer()->intent) ? Purpose::stop : Purpose::follow;
 }
 
 const PlannedMotion* Navigator::planned() const {

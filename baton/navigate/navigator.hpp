@@ -12,7 +12,7 @@
 
 namespace baton {
 
-/// What the robot is doing, for traces and people.
+/// Contact phase of a tick, for traces.
 enum class Phase { hold, double_support, single_left, single_right, fallen };
 
 [[nodiscard]] constexpr std::string_view to_string(Phase phase) {
@@ -23,7 +23,7 @@ enum class Phase { hold, double_support, single_left, single_right, fallen };
 /// What the motion under way is for; traces have the number.
 enum class Purpose {
   none,     ///< there is no motion
-  follow,   ///< it follows the stick, or puts down a foot whose throttle was let go of
+  follow,   ///< it follows the stick, or puts down a foot whose throttle was released
   retrace,  ///< back along what was done
   home,     ///< to the stance that the robot began in
   stop,     ///< to rest, on the way or on a way back
@@ -41,26 +41,27 @@ class Navigator {
   Navigator(const Navigator&) = delete;
   Navigator& operator=(const Navigator&) = delete;
 
-  /// One period of the robot: where its joints shall be when the tick ends. Never waits; throws only if a
-  /// perfect state is to be used and the measurement has none.
+  /// Joint targets for the end of this tick. Never blocks; throws only with `StateSource::perfect`, if the measurement
+  /// has no root pose.
   const JointTarget& tick(const Measurement& measurement, const Command& command);
 
-  /// What a tick leaves to be done because it takes memory or gives it back: frees what is over, forgets what cannot be
-  /// retraced any more, and arms a robot that was stood up after a fall. Called once after each tick, whether the
-  /// planner is busy or not.
+  /// Work that allocates or frees memory, and is therefore not done in `tick`: frees replaced motions, trims the
+  /// history and re-arms the robot once it was stood up after a fall. Call it once after each tick, whether or not the
+  /// planner is busy.
   void poll();
 
-  /// The planning task that is due now, if one is (`due`). To be answered by `answer`, before the take-over or else in
-  /// vain. Called after `poll`, whenever the planner is free; a call that returns nothing changes nothing.
+  /// The planning request that is due now, if any (`due`). Answer it with `answer` before its take-over tick; a later
+  /// answer is dropped. Call it after `poll`, whenever the planner is free; a call that returns nothing changes
+  /// nothing.
   [[nodiscard]] std::optional<Request> request();
 
-  /// The task that this command would be now, from where the robot rests next. Not before the first tick.
+  /// The request that this command would make now, from the next rest. Requires a previous `tick`.
   [[nodiscard]] Request request_for(const Command& command) const;
 
-  /// Hands in an answer. It is taken over at exactly its tick, or dropped if that has passed.
+  /// Hands in an answer. Its motion begins at exactly the tick of its take-over; a late answer is dropped.
   void answer(Answer answer);
 
-  /// What has happened since the tick before the newest, until the end of the newest, in its order.
+  /// Events of the latest tick in order, including those of the `poll` before it.
   [[nodiscard]] std::span<const Event> events() const { return events_.list(); }
 
   [[nodiscard]] long now() const { return tick_; }
@@ -69,10 +70,10 @@ class Navigator {
   [[nodiscard]] Purpose purpose() const;
   /// The committed motion, or null in hold.
   [[nodiscard]] const Motion* motion() const { return course_.motion(); }
+  /// That motion with the planner's notes; null in hold.
+  [[nodiscard]] const PlannedMotion* planned() const;
   /// Number of the segment under way, counted from 0; −1 in hold.
   [[nodiscard]] long segment() const { return motion() != nullptr ? course_.committed() - 1 : -1; }
-  /// The same, with what is known beside it.
-  [[nodiscard]] const PlannedMotion* planned() const;
   /// Motions so far, and of these the capture steps.
   [[nodiscard]] long committed() const { return course_.committed(); }
   [[nodiscard]] long caught() const { return course_.caught(); }
@@ -87,12 +88,13 @@ class Navigator {
   /// Trails that can be retraced.
   [[nodiscard]] std::size_t history() const { return history_.size(); }
 
-  /// Not before the first tick.
+  /// Requires a previous `tick`.
   [[nodiscard]] const State& state() const { return watch_.state(); }
   [[nodiscard]] const Odometry& odometry() const { return watch_.odometry(); }
   [[nodiscard]] Guard guard() const { return watch_.guard(); }
-  /// Whether the DCM is so far off that nothing new is begun, and how far it is (`Watch`).
+  /// Whether the DCM error is too large to begin a motion.
   [[nodiscard]] bool disturbed() const { return watch_.disturbed(); }
+  /// Estimated − planned DCM, in world axes [m].
   [[nodiscard]] const Vec2& dcm_error() const { return watch_.dcm_error(); }
   /// How often soles slid too far for the way back to be kept, and how far the last time [m].
   [[nodiscard]] long slips() const { return watch_.slips(); }
@@ -131,7 +133,7 @@ class Navigator {
   Course course_;
   History history_;
   Stabiliser stabiliser_;
-  JointTarget soft_;  ///< after a fall: nothing is asked of the motors
+  JointTarget soft_;  ///< after a fall: zero torque at the measured angles
   long tick_ = -1;
   Command command_;
   Exchange exchange_;

@@ -1,4 +1,4 @@
-/// What the measurements say of the robot, once a tick: where it is, whether it may be moved, how far it is off its
+/// What measurements tell about the robot, once a tick: where it is, whether it may be moved, how far it is off its
 /// plan.
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace baton {
 
-/// Whether the robot may be moved. It sees for itself that it falls or is lifted off the ground.
+/// Whether the robot may be moved. Falls and lifting are detected from measurements.
 enum class Guard {
   armed,
   lifted,    ///< no sole carries: nothing new is begun until it stands again and the stick is centred
-  fallen,    ///< the plan is dropped and the motors are soft
+  fallen,    ///< the plan is dropped and the motors give no torque
   stood_up,  ///< after a fall, on its feet and still: armed as soon as the stick is centred
 };
 
@@ -23,44 +23,43 @@ class Watch {
   /// @throws InputError the robot lacks the sensors for that source
   Watch(const RobotModel& robot, const World& world, StateSource source, const Posture& start);
 
-  /// The state, estimated from a measurement. Once a tick; throws only if a perfect state is to be used and the
-  /// measurement has none.
+  /// Estimates the state, once a tick. Throws only with `StateSource::perfect`, if the measurement has no root pose.
   /// @param planned sample of this tick
   /// @param anchor planning frame in the world
   void estimate(const Measurement& measurement, const MotionSample& planned, const Pose& anchor);
-  /// The same state in another planning frame, for a motion that has just been committed.
+  /// Re-expresses the state in the frame of a motion that was just committed, and updates the slip.
   void change_frame(const MotionSample& planned, const Pose& anchor);
-  /// Brings guard, DCM error, slip and inclination up to date. Once a tick, after `estimate`.
-  /// @param centred the stick is
+  /// Updates guard, DCM error, slip and inclination, once a tick, after `estimate`.
+  /// @param centred whether the stick is centred
   void judge(const MotionSample& planned, const Pose& anchor, bool centred);
 
-  /// The robot stands again and may be moved.
+  /// Re-arms the robot, once it stands again.
   void arm();
 
-  /// Not before the first `estimate`.
+  /// Requires a previous `estimate`.
   [[nodiscard]] const State& state() const { return *state_; }
   [[nodiscard]] const Odometry& odometry() const { return odometry_; }
   [[nodiscard]] Guard guard() const { return guard_; }
   /// Whether the robot has fallen and is not armed again.
   [[nodiscard]] bool soft() const { return guard_ == Guard::fallen || guard_ == Guard::stood_up; }
-  /// Whether the DCM is so far off that nothing new is begun: hysteresis from 0.02 to 0.01 of the nominal COM height.
+  /// Whether the DCM error is too large to begin a motion: hysteresis from 0.02 to 0.01 of the nominal COM height.
   [[nodiscard]] bool disturbed() const { return disturbed_; }
-  /// Estimated − planned DCM, along the axes of the world [m]; soles that slid have taken the plan along.
+  /// Estimated − planned DCM, in world axes [m]. The plan is first displaced by the slip of the soles.
   [[nodiscard]] const Vec2& dcm_error() const { return dcm_error_; }
-  /// Whether soles stand so far from where they were planned that the way back is lost.
+  /// Whether soles stand so far from their plan that the history can no longer be retraced.
   [[nodiscard]] bool slipped() const { return slip_.now; }
-  /// Whether that was found in this tick: only soles that all touch the ground tell.
+  /// Whether the slip was measured in this tick: that needs every planned stance sole in contact.
   [[nodiscard]] bool slip_found() const { return slip_.found; }
   [[nodiscard]] long slips() const { return slip_.count; }
   [[nodiscard]] double last_slip() const { return slip_.distance; }  ///< [m]
-  /// Whether soles stood inclined against the plan of late.
+  /// Whether soles were recently inclined relative to the plan.
   [[nodiscard]] bool uneven() const;
 
-  /// How far the standing soles are from where they were planned, as one move of the planning frame.
+  /// Displacement of the stance soles from their plan, as one displacement of the planning frame.
   [[nodiscard]] Pose slid(const MotionSample& planned) const;
-  /// The sole that stands inclined against the plan, as on an edge, while both feet are to stand.
+  /// In double support: the sole that is inclined relative to the plan, as on an edge.
   [[nodiscard]] std::optional<Terrain::Inclined> inclined_sole(const MotionSample& planned) const;
-  /// Whether the COM is where the robot may rest.
+  /// Whether the COM is inside the stand-on region.
   [[nodiscard]] bool supported() const;
 
  private:
@@ -69,7 +68,7 @@ class Watch {
   void update_disturbed(const MotionSample& planned, const Pose& anchor);
   void update_slip(const MotionSample& planned, const Pose& anchor);
   void update_inclination(const MotionSample& planned);
-  /// Whether it stands on both feet, still, so that it could be armed.
+  /// Whether the robot stands on both feet and still, so that it could be armed.
   [[nodiscard]] bool stands_upright() const;
 
   const RobotModel* robot_;
@@ -88,7 +87,7 @@ class Watch {
     double distance = 0.0;  ///< the last time [m]
   };
   Slip slip_;
-  double inclination_ = 0.0;  ///< of a sole against the plan, the largest of late [rad]
+  double inclination_ = 0.0;  ///< recent maximum of a sole's inclination relative to the plan [rad]
 };
 
 }  // namespace baton

@@ -46,7 +46,7 @@ bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) 
   if (first.reason != Reason::joint_torque || second.reason != first.reason || second.where != first.where)
     return false;
   const double stays = (T2 * T2 * second.value - T1 * T1 * first.value) / (T2 * T2 - T1 * T1);
-  return stays > kRoughly * second.limit;
+  return stays > kTorqueTolerance * second.limit;
 }
 
 /// The first `ticks` of a reversed motion, continued by `end`.
@@ -86,7 +86,7 @@ PlanResult Planner::by_paper(Task& task) {
     if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / period));
     Candidate candidate{timing_by_shares(task.segment.com().phases, ticks, period)};
-    failure = look(task, candidate);
+    failure = evaluate(task, candidate);
     vain = failure && before && in_vain(before->first, before->second, T, failure->refusal) ? vain + 1 : 0;
     if (vain == kMostVain) break;
     if (failure) before = {T, failure->refusal};
@@ -146,11 +146,11 @@ PlanResult Planner::by_search(Task& task) {
   int failed = ticks - 1;
   // Lengthen until the survey passes, then bisect towards the last failure.
   Candidate candidate;
-  const auto looks_good = [&](int duration) {
+  const auto is_feasible = [&](int duration) {
     std::optional<Failure> failure = Failure{{Reason::zmp, part, 0, com.margin, ""}, kGrowth};
     if (std::optional<Timing> divided = timing(task.segment, shortest->timing, duration)) {
       candidate.timing = *std::move(divided);
-      failure = look(task, candidate);
+      failure = evaluate(task, candidate);
     }
     if (failure) task.not_shorter = failure->refusal;
     return failure;
@@ -161,7 +161,7 @@ PlanResult Planner::by_search(Task& task) {
   const auto stretch_after = [&](const Failure& failure) {
     return failure.stretch > 0.0 ? failure.stretch : std::exchange(chance, 0.0);
   };
-  while (const std::optional<Failure> failure = looks_good(ticks)) {
+  while (const std::optional<Failure> failure = is_feasible(ticks)) {
     const double stretch = stretch_after(*failure);
     if (stretch == 0.0 || ticks == longest) return failure->refusal;
     failed = ticks;
@@ -169,12 +169,12 @@ PlanResult Planner::by_search(Task& task) {
   }
   for (int k = 0; k < kHalvings && ticks - failed > kResolution * ticks; ++k) {
     const int middle = (ticks + failed) / 2;
-    (looks_good(middle) ? failed : ticks) = middle;
+    (is_feasible(middle) ? failed : ticks) = middle;
   }
   std::optional<Failure> failure;
   double least_stretch = 1.0 + kResolution;
   for (int k = 0; k < kMostFinishes; ++k, least_stretch *= least_stretch) {
-    failure = looks_good(ticks);
+    failure = is_feasible(ticks);
     if (!failure) {
       std::variant<PlannedMotion, Failure> finished = finish(task, candidate);
       if (auto* planned = std::get_if<PlannedMotion>(&finished)) return std::move(*planned);
@@ -194,7 +194,7 @@ PlanResult Planner::retrace(const Trail& trail, const Pose& anchor, const Limits
   return PlannedMotion{std::get<VerifiedMotion>(std::move(verdict))};
 }
 
-PlanResult Planner::halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor,
+PlanResult Planner::halt(const Posture& from, const Trail& trail, const TrailRest& halt, const Pose& anchor,
                          const Limits& limits) {
   const Trail::Piece& piece = trail.pieces[halt.piece];
   const Trail::Point& there = piece.points->back();
@@ -232,7 +232,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
     const MotionSample& sample = whole.samples[static_cast<std::size_t>(k)];
     return sample.contact.left && sample.contact.right;
   };
-  const std::vector<Halt> rests = halts(trail);
+  const std::vector<TrailRest> rests = rests_on(trail);
   int tries = kMostRests;
   int verified = 0;
   double until = against.t;
@@ -274,7 +274,7 @@ Planner::Failure Planner::judged(Refusal refusal, const Segment& segment) {
   return {std::move(refusal), stretch};
 }
 
-std::optional<Planner::Failure> Planner::look(Task& task, Candidate& candidate) {
+std::optional<Planner::Failure> Planner::evaluate(Task& task, Candidate& candidate) {
   ++task.tried;
   const Timing& timing = candidate.timing;
   const ComProblem& problem = task.segment.com();
@@ -288,9 +288,9 @@ std::optional<Planner::Failure> Planner::look(Task& task, Candidate& candidate) 
     }
     candidate.com = std::move(*path);
     if (k == kCorrections) break;
-    std::variant<VrpOffset, Refusal> looked = survey_.look(task.segment, candidate.com, timing, task.looked);
-    if (auto* refusal = std::get_if<Refusal>(&looked)) return judged(std::move(*refusal), task.segment);
-    offset = std::move(std::get<VrpOffset>(looked));
+    std::variant<VrpOffset, Refusal> found = survey_.evaluate(task.segment, candidate.com, timing, task.warm_start);
+    if (auto* refusal = std::get_if<Refusal>(&found)) return judged(std::move(*refusal), task.segment);
+    offset = std::move(std::get<VrpOffset>(found));
   }
   return std::nullopt;
 }

@@ -22,7 +22,7 @@ class Planner {
 
   /// Tries durations in turn. For each: VRP knots that keep the ZMP inside the supports; a coarse survey, which yields
   /// the limbs' contribution to the ZMP; the knots corrected for it; inverse kinematics and verification at every tick.
-  /// The refusal of a candidate tells whether a longer duration may help, and which; one that time cannot mend
+  /// The refusal of a candidate tells whether, and by how much, a longer duration may help; one that time cannot mend
   /// (collision, joint limit, reach) ends the search. A pure function of its arguments.
   /// @param anchor planning frame in the world frame
   [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits) {
@@ -36,13 +36,13 @@ class Planner {
 
   /// Brings a moving robot on a retrace path to a planned rest on that path, ending at exactly the joint angles from
   /// which the remaining path continues.
-  [[nodiscard]] PlanResult halt(const Posture& from, const Trail& trail, const Halt& halt, const Pose& anchor,
+  [[nodiscard]] PlanResult halt(const Posture& from, const Trail& trail, const TrailRest& halt, const Pose& anchor,
                                 const Limits& limits);
 
   /// Part of a retrace path, and the planned rest at its end.
   struct PartOfWay {
     PlannedMotion planned;  ///< `limit` is why it does not go further
-    Halt halt;
+    TrailRest halt;
   };
   /// The retrace path up to the last planned rest before the point of failure; none if there is no such rest.
   /// @param against refusal of the whole path
@@ -59,8 +59,8 @@ class Planner {
   struct Task {
     const Segment& segment;
     const Pose& anchor;
-    std::vector<VecX> looked{};  ///< postures of the last survey, to warm-start the next
-    int tried = 0;               ///< number of durations
+    std::vector<VecX> warm_start{};  ///< postures of the last survey, to warm-start the next
+    int tried = 0;                   ///< number of durations
     std::optional<Refusal> not_shorter{};
   };
   struct Candidate {
@@ -73,7 +73,7 @@ class Planner {
 
   [[nodiscard]] static Failure judged(Refusal refusal, const Segment& segment);
   /// Finds the COM path of a candidate and surveys it.
-  [[nodiscard]] std::optional<Failure> look(Task& task, Candidate& candidate);
+  [[nodiscard]] std::optional<Failure> evaluate(Task& task, Candidate& candidate);
   /// Realises the candidate at every tick and verifies it.
   [[nodiscard]] std::variant<PlannedMotion, Failure> finish(const Task& task, const Candidate& candidate);
   /// Divides a duration into phases: between the default shares and the division of the shortest timing, as close to

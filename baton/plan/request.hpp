@@ -19,7 +19,7 @@ namespace baton {
 /// Inclination of a sole against the plan up to which it may carry the robot alone [rad].
 inline constexpr double kFlatSole = 0.1;
 
-/// The command's goal, or a part of it; also puts down a foot whose throttle was let go of.
+/// The command's goal, or a part of it; also puts down a foot whose throttle was released.
 struct Follow {};
 /// Retrace the trail.
 struct Retrace {};
@@ -29,20 +29,25 @@ struct Home {};
 struct Stop {};
 /// While retracing: stop at a planned rest on the path.
 struct HaltAt {
-  Halt rest;
+  TrailRest rest;
 };
 /// A capture step after a push.
 struct Catch {
   Vec2 by = Vec2::Zero();            ///< foothold adjustment relative to the plan, planning frame [m]
   double dcm_excess = 0.0;           ///< DCM error beyond what ZMP modulation can absorb [m]
-  double height = 0.0;               ///< ground height, planning frame: unknown from an inclined sole [m]
+  double height = 0.0;               ///< ground height, planning frame [m]; an inclined sole does not tell it
   Vec2 moved{Vec2::Zero()};          ///< foothold adjustment by an earlier capture step [m]
-  double gain = 0.0;                 ///< component of `moved` along the DCM error [m]
+  double gain = 0.0;                 ///< component of that adjustment along the DCM error [m]
   std::optional<double> lands_in{};  ///< time to planned touchdown of a foot in the air [s]
 };
 
 /// What a motion is for.
 using Intent = std::variant<Follow, Retrace, Home, Stop, HaltAt, Catch>;
+
+/// Whether this is a stop or a halt.
+[[nodiscard]] inline bool stops(const Intent& intent) {
+  return std::holds_alternative<Stop>(intent) || std::holds_alternative<HaltAt>(intent);
+}
 
 /// The intent of an operator's command.
 [[nodiscard]] Intent intent_of(const Command& command);
@@ -57,7 +62,7 @@ struct Start {
   int sample = -1;  ///< sample at which the motion under way is replaced; −1: from rest
 };
 
-/// What the soles reveal about the ground, beyond the map.
+/// What the soles tell about the terrain, beyond the map.
 struct Terrain {
   /// A stance sole that is inclined, unlike planned. The foot may step but not carry the robot alone.
   struct Inclined {
@@ -94,10 +99,6 @@ struct Answer {
   [[nodiscard]] const Refusal* refusal() const { return std::get_if<Refusal>(&outcome); }
   /// The capture step; null for any other intent.
   [[nodiscard]] const Catch* capture() const { return std::get_if<Catch>(&intent); }
-  /// Whether this is a stop or a halt.
-  [[nodiscard]] bool stops() const {
-    return std::holds_alternative<Stop>(intent) || std::holds_alternative<HaltAt>(intent);
-  }
 };
 
 }  // namespace baton

@@ -36,8 +36,8 @@ Trail continued(Trail trail, int ticks, const Motion& next) {
   return trail;
 }
 
-std::vector<Halt> halts(const Trail& trail) {
-  std::vector<Halt> found;
+std::vector<TrailRest> rests_on(const Trail& trail) {
+  std::vector<TrailRest> found;
   int passed = 0;
   for (std::size_t k = trail.pieces.size() - 1; k > 0; --k) {
     passed += trail.pieces[k].ticks;
@@ -49,7 +49,7 @@ std::vector<Halt> halts(const Trail& trail) {
   return found;
 }
 
-Trail trail_to(const Trail& trail, const Halt& halt) {
+Trail trail_to(const Trail& trail, const TrailRest& halt) {
   const auto end = trail.pieces.begin() + static_cast<std::ptrdiff_t>(halt.piece) + 1;
   Trail way{trail.start, {trail.pieces.begin(), end}};
   way.pieces.back().ticks = way.pieces.back().planned();

@@ -35,9 +35,9 @@ struct Trail {
 
 /// A planned rest on a trail: the end of a motion that was replaced while only its COM had yet to settle. The path from
 /// there back to the start was verified with that motion.
-struct Halt {
+struct TrailRest {
   std::size_t piece = 0;  ///< index of the motion that would have ended there
-  int passed = 0;         ///< sample of the reversed trail at which that motion is reached
+  int passed = 0;         ///< index of the sample in the reversed trail at which it enters that motion
 };
 
 [[nodiscard]] Trail trail_of(const Posture& start, const Motion& motion);
@@ -46,10 +46,10 @@ struct Halt {
 [[nodiscard]] Trail continued(Trail trail, int ticks, const Motion& next);
 
 /// Planned rests on the trail, from its end to its start.
-[[nodiscard]] std::vector<Halt> halts(const Trail& trail);
+[[nodiscard]] std::vector<TrailRest> rests_on(const Trail& trail);
 
 /// The trail that ends at such a rest.
-[[nodiscard]] Trail trail_to(const Trail& trail, const Halt& halt);
+[[nodiscard]] Trail trail_to(const Trail& trail, const TrailRest& halt);
 
 /// The trail reversed, from its end to its start; not yet verified.
 [[nodiscard]] Motion reversed(const RobotModel& robot, const Trail& trail);

@@ -51,14 +51,14 @@ Answer Strategy::plan(const Request& request) {
 Answer Strategy::attempt(const Request& request, const Intent& intent) {
   if (const auto* capture = std::get_if<Catch>(&intent)) return attempt_capture(request, *capture);
   Answer answer{request.at, intent, request.command, request.start.context, {}, request.start.trail};
-  if (answer.stops()) answer.command.recall = Recall::stop;
+  if (stops(answer.intent)) answer.command.recall = Recall::stop;
   if (const auto* halt = std::get_if<HaltAt>(&intent)) {
     answer.outcome = this->halt(request, halt->rest);
     if (answer.motion() != nullptr) answer.trail = std::make_shared<const Trail>(trail_to(*answer.trail, halt->rest));
   } else if (std::holds_alternative<Retrace>(intent)) {
     answer.outcome = go_back(request, answer.trail);
   } else {
-    answer.outcome = follow_or_stop(request, answer.stops());
+    answer.outcome = follow_or_stop(request, stops(answer.intent));
     if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
   }
   return answer;
@@ -102,7 +102,7 @@ Strategy::Outcome Strategy::resolve(const Limits& limits, const Request& request
   return outcome_of(first_of(limits, *goals, request));
 }
 
-Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& left) {
+Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& remaining) {
   if (!request.start.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
   const Trail& trail = *request.start.trail;
   PlanResult planned = planner_.retrace(trail, request.start.context.anchor, normal_);
@@ -111,7 +111,7 @@ Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<cons
     std::optional<Planner::PartOfWay> part =
         planner_.retrace_part(trail, request.start.context.anchor, normal_, *refusal);
     if (!part) return std::move(*refusal);
-    left = std::make_shared<const Trail>(trail_to(trail, part->halt));
+    remaining = std::make_shared<const Trail>(trail_to(trail, part->halt));
     planned = std::move(part->planned);
   }
   auto& back = std::get<PlannedMotion>(planned);
@@ -132,7 +132,7 @@ Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
 Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capture) {
   const GuideContext& context = request.start.context;
   const bool step_aside = capture.dcm_excess > kStepAside * robot_->profile().stance.com_height;
-  const GuideResult guided = guide_.catches(context, capture.by, step_aside);
+  const GuideResult guided = guide_.capture_steps(context, capture.by, step_aside);
   const auto* goals = std::get_if<std::vector<Goal>>(&guided);
   if (goals == nullptr) return std::monostate{};
   // The excess grows until touchdown; there the foothold adjustment is subtracted.
@@ -184,7 +184,7 @@ Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goa
   return *std::move(against);
 }
 
-Strategy::Outcome Strategy::halt(const Request& request, const Halt& rest) {
+Strategy::Outcome Strategy::halt(const Request& request, const TrailRest& rest) {
   const Start& start = request.start;
   return outcome_of(planner_.halt(start.posture, *start.trail, rest, start.context.anchor, normal_));
 }

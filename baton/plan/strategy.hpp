@@ -24,8 +24,8 @@ class Strategy {
   [[nodiscard]] Outcome follow(const Limits& limits, const Request& request);
   /// Plans the first of the guide's goals that has a verified motion.
   [[nodiscard]] Outcome resolve(const Limits& limits, const Request& request, GuideResult guided);
-  /// Retraces the trail, or the feasible part of it; `left` is then the remaining trail.
-  [[nodiscard]] Outcome go_back(const Request& request, std::shared_ptr<const Trail>& left);
+  /// Retraces the trail, or the feasible part of it; `remaining` is then set.
+  [[nodiscard]] Outcome go_back(const Request& request, std::shared_ptr<const Trail>& remaining);
   /// Finds the quickest motion to rest on both feet.
   [[nodiscard]] Outcome stop(const Limits& limits, const Request& request);
   /// A capture step: the first that arrives in time, or else the one that comes closest.
@@ -33,7 +33,7 @@ class Strategy {
   /// The quickest motion to any of the goals; a foot in the air may also land earlier than planned.
   [[nodiscard]] Outcome quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
   /// Stops at a planned rest on the trail.
-  [[nodiscard]] Outcome halt(const Request& request, const Halt& rest);
+  [[nodiscard]] Outcome halt(const Request& request, const TrailRest& rest);
   /// A motion that goes part of the way to a refused target, if one worth executing is found in a few tries.
   /// @param against refusal of the whole target
   [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request, const Target& whole,

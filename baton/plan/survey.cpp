@@ -37,30 +37,30 @@ std::vector<double> times(const Segment& segment, const Timing& timing) {
 
 Survey::Survey(const RobotModel& robot) : robot_(&robot), ik_(robot, kCoarse), kinematics_(robot) {}
 
-std::variant<VrpOffset, Refusal> Survey::look(const Segment& segment, const ComPath& path, const Timing& timing,
-                                              std::vector<VecX>& looked) {
-  Way way{times(segment, timing), {}, {}};
-  if (std::optional<Refusal> refusal = follow(segment, path, timing, looked, way)) return *std::move(refusal);
-  std::variant<VrpOffset, Refusal> found = load(segment, path, timing, way);
-  looked = std::move(way.q);
+std::variant<VrpOffset, Refusal> Survey::evaluate(const Segment& segment, const ComPath& path, const Timing& timing,
+                                                  std::vector<VecX>& warm_start) {
+  Rollout rollout{times(segment, timing), {}, {}};
+  if (std::optional<Refusal> refusal = follow(segment, path, timing, warm_start, rollout)) return *std::move(refusal);
+  std::variant<VrpOffset, Refusal> found = check_dynamics(segment, path, timing, rollout);
+  warm_start = std::move(rollout.q);
   return found;
 }
 
 std::optional<Refusal> Survey::follow(const Segment& segment, const ComPath& path, const Timing& timing,
-                                      const std::vector<VecX>& looked, Way& way) {
+                                      const std::vector<VecX>& warm_start, Rollout& rollout) {
   const Limits& limits = segment.limits();
   const double tolerance = robot_->profile().ik.position;
   const Posture& from = segment.from();
-  auto& [t, q, step] = way;
+  auto& [t, q, step] = rollout;
   q.assign(t.size(), from.q);
   step.assign(t.size() + 1, VecX::Zero(robot_->nv()));
-  const bool again = looked.size() == t.size();
+  const bool again = warm_start.size() == t.size();
   const bool moving = !from.dq.isZero(0.0);
   std::optional<Refusal> hasty;  // the refusal that needs the most additional time
   double worst = 1.0;
   for (std::size_t i = 1; i < t.size(); ++i) {
     const double h = t[i] - t[i - 1];
-    q[i] = again ? looked[i] : q[i - 1];
+    q[i] = again ? warm_start[i] : q[i - 1];
     if (!again && (moving || i > 1)) integrate(*robot_, q[i], i > 1 ? step[i - 1] : from.dq, h);
     const IkResult result = ik_.solve(segment.targets(path, timing, t[i]), q[i - 1],
                                       std::numeric_limits<double>::infinity(), q[i], kIterations);
@@ -84,11 +84,11 @@ std::optional<Refusal> Survey::follow(const Segment& segment, const ComPath& pat
   return hasty;
 }
 
-std::variant<VrpOffset, Refusal> Survey::load(const Segment& segment, const ComPath& path, const Timing& timing,
-                                              const Way& way) {
+std::variant<VrpOffset, Refusal> Survey::check_dynamics(const Segment& segment, const ComPath& path,
+                                                        const Timing& timing, const Rollout& rollout) {
   const double most = segment.limits().torque;
   const ComProblem& problem = segment.com();
-  const auto& [t, q, step] = way;
+  const auto& [t, q, step] = rollout;
   const std::size_t last = t.size() - 1;
   std::optional<Refusal> hasty;
   double worst = 0.0;
@@ -115,7 +115,7 @@ std::variant<VrpOffset, Refusal> Survey::load(const Segment& segment, const ComP
       const Joint& joint = robot_->joints()[j];
       const auto n = static_cast<Eigen::Index>(j);
       const double load = joint.motor.load(tau[n], dq[6 + n]);
-      if (load > std::max(kRoughly * most, worst)) {
+      if (load > std::max(kTorqueTolerance * most, worst)) {
         worst = load;
         hasty = fails(Reason::joint_torque, load, most, joint.name);
       }

@@ -39,11 +39,12 @@ class Checker {
   /// Tolerances on the profile's limits. The plan keeps the limits for the desired positions; the executed ones deviate
   /// by the residual of inverse kinematics.
   struct Tolerances {
-    double residuals = 2.0;   ///< [the profile's ik residuals] position of a sole or link: two soles' residuals add up
-    double sink = 1e-4;       ///< [m] additional penetration of a sole at liftoff and touchdown
-    double zmp = 1e-4;        ///< [m] shift of the hull by such a residual
-    double friction = 0.002;  ///< [-] where two motions meet, accelerations of the end of one and the start
-    double load = 0.002;      ///< [of stall torque] of the next act at the same tick
+    double residuals = 2.0;  ///< [the profile's ik residuals] position of a sole or link: two soles' residuals add up
+    double sink = 1e-4;      ///< [m] additional penetration of a sole at liftoff and touchdown
+    double zmp = 1e-4;       ///< [m] shift of the hull by such a residual
+    // Where one motion replaces another, the last acceleration of one and the first of the other add up in one tick.
+    double friction = 0.002;  ///< [-]
+    double load = 0.002;      ///< [of stall torque]
     double still = 1e-7;      ///< [m or rad] a resting posture is recomputed from its soles
     double exact = 1e-9;      ///< [rad, s] rounding
   };

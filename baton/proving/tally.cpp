@@ -16,11 +16,11 @@ double number(const JsonReader& read) {
 }
 
 long count(const JsonReader& read) {
-  return read.whole(0, 1000000000000000);
+  return read.integer(0, 1000000000000000);
 }
 
 std::map<std::string, long> counts(const JsonReader& read) {
-  if (!read.json().is_object()) read.complain("an object of counts");
+  if (!read.json().is_object()) read.fail("an object of counts");
   std::map<std::string, long> all;
   for (const auto& [name, value] : read.json().items())
     all[name] = count(read.at(name.c_str()));

@@ -26,12 +26,12 @@ Json contact_json(const BySide<bool>& contact) {
 
 Pose pose_in(const JsonReader& read) {
   const VecX q = read.at("quat").vector(4);
-  if (!(std::abs(q.norm() - 1.0) <= 1e-6)) read.at("quat").complain("a unit quaternion [w, x, y, z]");
+  if (!(std::abs(q.norm() - 1.0) <= 1e-6)) read.at("quat").fail("a unit quaternion [w, x, y, z]");
   return {Vec3(read.at("p").vector(3)), Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix()};
 }
 
 BySide<bool> contact_in(const JsonReader& read) {
-  return {read.at("left").truth(), read.at("right").truth()};
+  return {read.at("left").boolean(), read.at("right").boolean()};
 }
 
 std::string place_of(const std::filesystem::path& file) {
@@ -81,20 +81,20 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   Motion motion;
   motion.period = read.at("period").number();
   if (!(std::abs(motion.period - robot.profile().tick.period) <= 1e-9)) {
-    read.at("period").complain(fmt::format("{}, the robot's", robot.profile().tick.period));
+    read.at("period").fail(fmt::format("{}, the robot's", robot.profile().tick.period));
   }
   for (const JsonReader& sample : read.at("samples").list()) {
     MotionSample& s = motion.samples.emplace_back();
     s.q = sample.at("q").vector(robot.nq());
-    if (!(std::abs(s.q.segment<4>(3).norm() - 1.0) <= 1e-6)) sample.at("q").complain("with a unit quaternion at 3…6");
+    if (!(std::abs(s.q.segment<4>(3).norm() - 1.0) <= 1e-6)) sample.at("q").fail("with a unit quaternion at 3…6");
     s.com = sample.at("com").vector(3);
     s.sole = {pose_in(sample.at("left_sole")), pose_in(sample.at("right_sole"))};
   }
   long sum = 0;
   for (const JsonReader& phase : read.at("phases").list()) {
-    motion.phases.push_back({static_cast<int>(phase.at("ticks").whole(1, 1000000)), contact_in(phase.at("contact"))});
+    motion.phases.push_back({static_cast<int>(phase.at("ticks").integer(1, 1000000)), contact_in(phase.at("contact"))});
     const BySide<bool>& contact = motion.phases.back().contact;
-    if (!contact.left && !contact.right) phase.at("contact").complain("at least one sole that stands");
+    if (!contact.left && !contact.right) phase.at("contact").fail("at least one sole that stands");
     sum += motion.phases.back().ticks;
   }
   if (sum != motion.ticks()) {
@@ -106,8 +106,8 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   set_contacts(motion);
   motion.swing.lift_off = pose_in(read.at("lift_off"));
   motion.contact_before = contact_in(read.at("contact_before"));
-  motion.retraces = read.at("retraces").truth();
-  motion.goal.returns = read.at("returns").truth();
+  motion.retraces = read.at("retraces").boolean();
+  motion.goal.returns = read.at("returns").boolean();
   motion.goal.place_uncertainty = read.at("unsure").number();
   motion.dq0 = read.at("dq0").vector(robot.nv());
   differentiate(robot, motion);

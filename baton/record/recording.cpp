@@ -39,7 +39,7 @@ Command command_in(const JsonReader& read) {
   c.axes = read.at("axes").vector(6);
   const VecX lift = read.at("lift").vector(2);
   c.lift = {lift[0], lift[1]};
-  c.recall = static_cast<Recall>(read.at("recall").whole(0, 3));
+  c.recall = static_cast<Recall>(read.at("recall").integer(0, 3));
   return c;
 }
 
@@ -95,7 +95,7 @@ std::string checksum(const JointTarget& target) {
     for (std::size_t i = 0; i < size; ++i)
       hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
   };
-  for (const VecX* v : {&target.q, &target.dq, &target.ddq, &target.tau, &target.shift})
+  for (const VecX* v : {&target.q, &target.dq, &target.ddq, &target.tau, &target.q_correction})
     add(v->data(), static_cast<std::size_t>(v->size()) * sizeof(double));
   const std::array<unsigned char, 2> contact{target.contact.left, target.contact.right};
   add(contact.data(), contact.size());
@@ -150,9 +150,9 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
   const Json json = parse_json(line, place());
   const JsonReader read(json, place());
   if (read.at("baton_recording").json() != kVersion)
-    read.at("baton_recording").complain(fmt::format("{}, the version that this program reads", kVersion));
+    read.at("baton_recording").fail(fmt::format("{}, the version that this program reads", kVersion));
   static_cast<void>(read.at("on").one_of({"sim", "ideal"}));
-  static_cast<void>(read.at("seed").whole(std::numeric_limits<long>::min(), std::numeric_limits<long>::max()));
+  static_cast<void>(read.at("seed").integer(std::numeric_limits<long>::min(), std::numeric_limits<long>::max()));
   head_ = {read.at("robot").text(),
            read.at("world").text(),
            read.at("duration").one_of({"paper", "search"}),
@@ -192,7 +192,7 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   const Json json = parse_json(line, place());
   const JsonReader read(json, place());
   RecordedTick tick;
-  tick.fallen = read.has("fallen") && read.at("fallen").truth();
+  tick.fallen = read.has("fallen") && read.at("fallen").boolean();
   tick.measurement = measurement_in(read.at("m"), joints, head_.state == "perfect", tick.fallen);
   if (first || read.has("c")) command_ = command_in(read.at("c"));
   tick.command = command_;

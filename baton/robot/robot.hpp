@@ -9,7 +9,8 @@
 
 namespace baton {
 
-/// Ground truth of a simulation, for traces, reports and judges; never for control.
+/// Ground truth of a simulation, for traces, reports, judges, and an operator that watches the robot from outside;
+/// never for control.
 struct Truth {
   double t = 0.0;
   VecX q;               ///< configuration (nq), ordered as in the robot's model

@@ -6,7 +6,7 @@ namespace baton {
 
 ServoCommand servo_command(const RobotModel& robot, std::size_t joint, const JointTarget& target, double to_end) {
   const auto i = static_cast<Eigen::Index>(joint);
-  const double shift = i < target.shift.size() ? target.shift[i] : 0.0;
+  const double shift = i < target.q_correction.size() ? target.q_correction[i] : 0.0;
   ServoCommand command{target.q[i] + shift - to_end * target.dq[i], target.dq[i], 0.0};
   switch (robot.profile().drive) {
     case Drive::torque:

@@ -16,7 +16,7 @@ class Session {
   struct Parameters {
     Modes modes{};
     StateSource source = StateSource::sensors;  ///< source of the state estimate
-    Planning* planning = nullptr;               ///< must use the same modes; null: synchronous, within the tick
+    Planning* planning = nullptr;               ///< must use the same modes; null: synchronous, in `step`
   };
 
   /// All arguments except `start` and `parameters` must outlive this object.

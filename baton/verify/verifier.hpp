@@ -21,8 +21,9 @@ class Verifier {
   /// Checks at every tick: joint positions, speeds, accelerations and torques; residuals of inverse kinematics; trunk
   /// inclination; the whole-body contact wrench (ZMP, friction, forces at the soles' vertices); the gap between the
   /// soles; and the clearance of the swing sole. Checks the foothold at every touchdown. Distances from self-collision
-  /// and obstacles are measured again once the links have moved far enough to lower their minimum. Stops at a
-  /// violation.
+  /// and obstacles are measured again once the links have moved far enough to lower their minimum. The checks of joints
+  /// and swing run at every tick, since the worst value tells how much to stretch the motion; the costlier ones stop at
+  /// the first violation.
   ///
   /// Fills in the samples' `force`, `zmp`, `zmp_height` and `zmp_region`.
   /// @param motion samples with q, dq, ddq, COM, soles and contacts; `end` and `rest` in the posture of the last one
@@ -48,10 +49,11 @@ class Verifier {
   [[nodiscard]] double max_tilt(const Motion& motion);
   /// Required distance of footholds from terrain edges [m].
   [[nodiscard]] double edge_margin(const Motion& motion) const;
-  /// Horizontal distance that the swing foot keeps from higher terrain [m]: that of footholds, or less if the foot
-  /// Height of a sole above the terrain from which it is in contact [m].
+  /// Least height of a swing sole above the terrain at lift-off and touchdown [m]: negative, by the tolerance of
+  /// inverse kinematics.
   [[nodiscard]] double contact_height() const;
-  /// stands closer than that after a slip, as it could not lift off otherwise.
+  /// Horizontal distance that the swing foot keeps from higher terrain [m]: the edge margin, or less if the foot stands
+  /// closer than that after a slip, as it could not lift off otherwise.
   [[nodiscard]] double swing_margin(const Motion& motion, const Pose& anchor) const;
   /// Least height of the swing foot above the terrain, at lift-off and touchdown [m].
   [[nodiscard]] double least_height(const Motion& motion, const Pose& anchor) const;

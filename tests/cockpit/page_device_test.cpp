@@ -212,7 +212,7 @@ TEST_F(PageDeviceTest, ACommandCountsOnlyWhileHeardAndAtRestOnceSinceTheLastSile
         newest = deadman ? command : Command{.guide = command.guide};
         if (now_ - heard_at > 0.25 || (stopped && newest.recall != Recall::stop)) rested = false;
         heard_at = now_;
-        rested = rested || at_rest(newest);
+        rested = rested || controls_released(newest);
       }
     }
     now_ += random() % 20 == 0 ? 0.5 : 0.03;

@@ -271,9 +271,9 @@ TEST_P(GuideTest, APushStraightAheadIsCaughtByTheFootThatDidNotStepLast) {
       GuideContext context = at_home();
       context.last_step = last;
       context.from.com.head<2>() = 0.5 * (context.from.sole.left.p + context.from.sole.right.p).head<2>();
-      EXPECT_EQ(*first(guide.catches(context, {ahead * size, 0.0})).swing, other(last));
+      EXPECT_EQ(*first(guide.capture_steps(context, {ahead * size, 0.0})).swing, other(last));
       context.from.com.y() += 0.02 * size;  // the right foot carries less
-      EXPECT_EQ(*first(guide.catches(context, {ahead * size, 0.0})).swing, Side::right);
+      EXPECT_EQ(*first(guide.capture_steps(context, {ahead * size, 0.0})).swing, Side::right);
     }
   }
 }
@@ -298,7 +298,7 @@ TEST_P(GuideTest, AStepCatchesTheRobotWhereOneCan) {
       context.from.sole[up].p += Vec3(0, 0, 0.02 * size);
     }
     const bool falls = trial % 4 == 0;
-    const GuideResult result = guide.catches(context, by, falls);
+    const GuideResult result = guide.capture_steps(context, by, falls);
     ASSERT_FALSE(std::holds_alternative<Refusal>(result));
     const auto* goals = std::get_if<std::vector<Goal>>(&result);
     EXPECT_EQ(goals != nullptr, flies || !sideways || falls) << "aside only where it falls otherwise";
@@ -321,7 +321,7 @@ TEST_P(GuideTest, AStepCatchesTheRobotWhereOneCan) {
         // One that is about to leave the ground is the one that can.
         GuideContext leaving = context;
         leaving.from.lift_off = LiftOff{up, 0.1};
-        const GuideResult left = guide.catches(leaving, by);
+        const GuideResult left = guide.capture_steps(leaving, by);
         const auto* ways = std::get_if<std::vector<Goal>>(&left);
         ASSERT_TRUE(ways == nullptr || ways->front().swing == up);
         ++stood;

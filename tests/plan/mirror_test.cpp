@@ -268,7 +268,7 @@ TEST_P(MirrorTest, TheRulesGiveTheMirroredGoalsInTheSameOrder) {
     }
     const Vec2 by = 0.05 * Vec2(unit(random), unit(random));
     for (const bool aside : {false, true})
-      expect_mirrored(guide_.catches(context, by, aside), guide_.catches(mirrored, Mirror::of(by), aside));
+      expect_mirrored(guide_.capture_steps(context, by, aside), guide_.capture_steps(mirrored, Mirror::of(by), aside));
     expect_mirrored(guide_.stops(context), guide_.stops(mirrored));
     if (HasFailure()) return;
   }

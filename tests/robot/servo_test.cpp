@@ -38,7 +38,7 @@ class ServoTest : public testing::TestWithParam<std::string> {
     c.target.q = vector(1.0);
     c.target.dq = vector(5.0);
     c.target.tau = vector(3.0);
-    if (uniform_(random_) > 0.0) c.target.shift = vector(0.1);
+    if (uniform_(random_) > 0.0) c.target.q_correction = vector(0.1);
     c.to_end = 0.005 * uniform_(random_);
     c.q = uniform_(random_);
     c.dq = 5.0 * uniform_(random_);
@@ -48,7 +48,8 @@ class ServoTest : public testing::TestWithParam<std::string> {
   /// Where the joint shall be at the time of a case.
   [[nodiscard]] static double due(const Case& c) {
     const auto j = static_cast<Eigen::Index>(c.joint);
-    return c.target.q[j] + (c.target.shift.size() > 0 ? c.target.shift[j] : 0.0) - c.to_end * c.target.dq[j];
+    return c.target.q[j] + (c.target.q_correction.size() > 0 ? c.target.q_correction[j] : 0.0) -
+           c.to_end * c.target.dq[j];
   }
   [[nodiscard]] static double speed(const Case& c) { return c.target.dq[static_cast<Eigen::Index>(c.joint)]; }
   [[nodiscard]] static double told(const Case& c) { return c.target.tau[static_cast<Eigen::Index>(c.joint)]; }
@@ -106,9 +107,9 @@ TEST_P(ServoTest, TheAngleMovesAtTheSpeedAndIsThereWhenTheTickEnds) {
       EXPECT_EQ(now.tau, end.tau);
     }
     JointTarget flat = c.target;
-    flat.shift = VecX::Zero(flat.q.size());
+    flat.q_correction = VecX::Zero(flat.q.size());
     JointTarget none = c.target;
-    none.shift = {};
+    none.q_correction = {};
     EXPECT_EQ(servo_command(pd_, c.joint, flat, c.to_end).q, servo_command(pd_, c.joint, none, c.to_end).q);
   }
 }

@@ -1,6 +1,7 @@
 /// Worker threads that run episodes.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <map>
@@ -13,24 +14,24 @@
 namespace baton {
 
 /// Runs episodes from `first` on in several threads and returns the results in order.
-class Crew {
+class EpisodePool {
  public:
-  Crew(const Episodes& episodes, long first, int jobs)
+  EpisodePool(const Episodes& episodes, long first, int jobs)
       : episodes_(&episodes), ahead_(4 * static_cast<std::size_t>(jobs)), next_(first), wanted_(first) {
     for (int i = 0; i < jobs; ++i)
       threads_.emplace_back([this] { work(); });
   }
-  ~Crew() {
+  ~EpisodePool() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       stop_ = true;
     }
-    room_.notify_all();
+    space_.notify_all();
     for (std::thread& thread : threads_)
       thread.join();
   }
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  EpisodePool(const EpisodePool&) = delete;
+  EpisodePool& operator=(const EpisodePool&) = delete;
 
   /// The next episode's result, if ready in time.
   /// @throws any exception that stopped a thread
@@ -43,7 +44,7 @@ class Crew {
     EpisodeResult result = std::move(found->second);
     results_.erase(found);
     ++wanted_;
-    room_.notify_all();
+    space_.notify_all();
     return result;
   }
 
@@ -53,7 +54,7 @@ class Crew {
       for (;;) {
         std::unique_lock<std::mutex> lock(mutex_);
         // Not too far ahead of a slow episode.
-        room_.wait(lock, [this] { return stop_ || results_.size() < ahead_; });
+        space_.wait(lock, [this] { return stop_ || results_.size() < ahead_; });
         if (stop_) return;
         const long index = next_++;
         lock.unlock();
@@ -74,7 +75,7 @@ class Crew {
   std::size_t ahead_;  ///< most results waiting for an earlier one
   std::mutex mutex_;
   std::condition_variable done_;
-  std::condition_variable room_;
+  std::condition_variable space_;
   std::atomic<bool> stop_{false};
   long next_;
   long wanted_;
