@@ -5,7 +5,7 @@ if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
                       "cmake --preset fuzz")
 endif()
 
-room_sources(fuzzed_sources math model ik)
+module_sources(fuzzed_sources math model ik)
 list(
   APPEND
   fuzzed_sources
