@@ -57,31 +57,35 @@ Json measurement_json(const Measurement& m) {
   return json;
 }
 
-Mat3 matrix_in(const JsonReader& read, bool nulls) {
-  return Eigen::Map<const Mat3>(read.vector(9, nulls).data());
+/// `null` stands for what is not a finite number.
+VecX reading_in(const JsonReader& read, Eigen::Index size) {
+  return read.vector(size, true);
 }
 
-Wrench wrench_in(const JsonReader& read, bool nulls) {
+Mat3 matrix_in(const JsonReader& read) {
+  return Eigen::Map<const Mat3>(reading_in(read, 9).data());
+}
+
+Wrench wrench_in(const JsonReader& read) {
   const std::vector<JsonReader> parts = read.list(2);
-  return {parts[0].vector(3, nulls), parts[1].vector(3, nulls)};
+  return {reading_in(parts[0], 3), reading_in(parts[1], 3)};
 }
 
-/// @param nulls accept null: after a fall, physics may yield NaN
-Measurement measurement_in(const JsonReader& read, Eigen::Index joints, bool need_root, bool nulls) {
+Measurement measurement_in(const JsonReader& read, Eigen::Index joints, bool need_root) {
   Measurement m;
   m.t = read.at("t").number();
-  m.q = read.at("q").vector(joints, nulls);
-  m.dq = read.at("dq").vector(joints, nulls);
+  m.q = reading_in(read.at("q"), joints);
+  m.dq = reading_in(read.at("dq"), joints);
   const JsonReader torque = read.at("torque");
-  if (torque.json() != Json::array()) m.torque = torque.vector(joints, nulls);  // empty: not measured
+  if (torque.json() != Json::array()) m.torque = reading_in(torque, joints);  // empty: not measured
   const std::vector<JsonReader> imu = read.at("imu").list(3);
-  m.imu = {matrix_in(imu[0], nulls), imu[1].vector(3, nulls), imu[2].vector(3, nulls)};
+  m.imu = {matrix_in(imu[0]), reading_in(imu[1], 3), reading_in(imu[2], 3)};
   const std::vector<JsonReader> sole = read.at("sole").list(2);
-  m.sole = {wrench_in(sole[0], nulls), wrench_in(sole[1], nulls)};
+  m.sole = {wrench_in(sole[0]), wrench_in(sole[1])};
   if (need_root || read.has("root")) {
     const std::vector<JsonReader> root = read.at("root").list(4);
-    m.root = RootMeasurement{
-        {root[0].vector(3, nulls), matrix_in(root[1], nulls)}, root[2].vector(3, nulls), root[3].vector(3, nulls)};
+    m.root =
+        RootMeasurement{{reading_in(root[0], 3), matrix_in(root[1])}, reading_in(root[2], 3), reading_in(root[3], 3)};
   }
   return m;
 }
@@ -193,7 +197,7 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   const JsonReader read(json, place());
   RecordedTick tick;
   tick.fallen = read.has("fallen") && read.at("fallen").boolean();
-  tick.measurement = measurement_in(read.at("m"), joints, head_.state == "perfect", tick.fallen);
+  tick.measurement = measurement_in(read.at("m"), joints, head_.state == "perfect");
   if (first || read.has("c")) command_ = command_in(read.at("c"));
   tick.command = command_;
   tick.target = read.at("target").vector(joints, tick.fallen);
