@@ -1,10 +1,24 @@
 #include "baton/run/session.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "baton/model/error.hpp"
 #include "baton/run/cpu_time.hpp"
 
 namespace baton {
+namespace {
+
+/// @throws InputError another length
+void check_length(const char* what, Eigen::Index length, const RobotModel& model) {
+  const int joints = model.nv() - 6;
+  if (length == joints) return;
+  throw InputError(fmt::format("the reading of robot {} has {} {}; must be {}, one for each joint of its model",
+                               model.profile().name, length, what, joints));
+}
+
+}  // namespace
 
 Session::Session(const RobotModel& model, const World& world, Robot& robot, const Posture& start,
                  const Parameters& parameters)
@@ -33,6 +47,9 @@ void Session::reset() {
 
 void Session::step(const Command& command) {
   const Measurement measurement = robot_->read();
+  check_length("joint angles (q)", measurement.q.size(), *model_);
+  check_length("joint speeds (dq)", measurement.dq.size(), *model_);
+  if (measurement.torque.size() != 0) check_length("motor torques (torque)", measurement.torque.size(), *model_);
   const double before = cpu_us();
   const JointTarget& target = navigator_->tick(measurement, command);
   const TickRecord record{t(), *navigator_, measurement, truth(), target, cpu_us() - before};

@@ -33,6 +33,7 @@ class Session {
   void add(Sink& sink) { sinks_.push_back(&sink); }
 
   /// Runs one tick with the given command, or with the operator's.
+  /// @throws InputError the robot's reading has vectors of another length than the model
   void step(const Command& command);
   void step(Operator& who) { step(who.decide(view())); }
 
