@@ -80,6 +80,9 @@ const std::vector<Scenario>& scenarios() {
       {"push_walk", "walking: 0.6 N s, 8 directions, 20 instants", Driving::walk, 8.0},
       {"push_swing", "a foot in the air: 0.6 N s, 8 directions, 20 instants", Driving::swing, 8.0},
       {"floors", "friction 0.4 to 1.0"},
+      {"glitches", "readings that are not numbers, jump, stick, are swapped or held"},
+      {"glitches_walk", "the same, walking", Driving::walk},
+      {"glitches_stand", "the same, standing", Driving::stand},
       {"creep", "mass + or - 10 %, the trunk shifted to and fro", Driving::shift},
   };
   return all;
@@ -133,6 +136,7 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
     plant.sensors.force_noise = 0.05 * times;
     plant.sensors.imu_bias = horizontal(way, 0.5 * kDegree * times);
   }
+  if (is.starts_with("glitches")) plant.sensors.glitches = 10.0 / times;
   if (is == "mix") {
     plant.friction = 0.7 + 0.3 * dice.axis();
     plant.mass = 1.0 + 0.05 * times * dice.axis();

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <random>
 
-#include "baton/balance/measurement.hpp"
+#include "baton/robot/glitches.hpp"
 
 namespace baton {
 
@@ -13,6 +14,7 @@ struct SensorErrors {
   double encoder_noise = 0.0;    ///< standard deviation of each reading [rad]
   double force_noise = 0.0;      ///< of each component of the sole wrenches, relative
   Vec3 imu_bias = Vec3::Zero();  ///< attitude error as a rotation vector in the world frame [rad]
+  double glitches = 0.0;         ///< longest interval between faults; 0: none [s]
 };
 
 class Sensors {
@@ -37,6 +39,7 @@ class Sensors {
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   VecX encoder_error_;  ///< in the last measurement [rad]
+  std::optional<Glitches> glitches_;
 };
 
 }  // namespace baton

@@ -15,8 +15,8 @@ namespace {
 bool is_the_model(const Plant& p) {
   return !p.friction && !p.solref && p.mass == 1.0 && p.com_offset.isZero(0.0) && p.actuators.gain == 1.0 &&
          p.actuators.strength == 1.0 && p.actuators.kp == 1.0 && p.actuators.delay == 0.0 &&
-         p.sensors.encoder_noise == 0.0 && p.sensors.force_noise == 0.0 && p.sensors.imu_bias.isZero(0.0) &&
-         p.tilt.isZero(0.0) && p.tiles == 0.0 && p.pushes.empty();
+         p.sensors.glitches == 0.0 && p.sensors.encoder_noise == 0.0 && p.sensors.force_noise == 0.0 &&
+         p.sensors.imu_bias.isZero(0.0) && p.tilt.isZero(0.0) && p.tiles == 0.0 && p.pushes.empty();
 }
 
 TEST(Scenario, EachIsSomethingElseThanTheModelAndTheSameForTheSameSeed) {
