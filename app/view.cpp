@@ -13,6 +13,17 @@ namespace {
 constexpr double kSlipShows = 2.0;  ///< time that a slip is shown to the operator [s]
 constexpr double kShows = 0.2;      ///< time off the plan before the operator is told [s]
 
+/// Their names, with commas.
+std::string lost_sensors(const SensorCheck& sensors) {
+  std::string names;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    const auto sensor = static_cast<Sensor>(i);
+    if (sensors.health(sensor) == Health::lost)
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", to_string(sensor));
+  }
+  return names;
+}
+
 }  // namespace
 
 Activity activity(const Session& session) {
@@ -93,6 +104,9 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
     frame.message =
         fmt::format("A sole slipped by {:.0f} mm. The robot continues from here, but cannot retrace past this point.",
                     1e3 * nav.last_slip());
+  } else if (nav.sensors().lost()) {
+    frame.message =
+        fmt::format("No usable readings: {}. No new motion until they are back.", lost_sensors(nav.sensors()));
   } else if (nav.disturbed() && nav.caught() > caught_) {
     frame.message = "Pushed: taking a step to recover.";
   } else if (session.t() - steady_ > kShows) {

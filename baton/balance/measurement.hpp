@@ -23,6 +23,8 @@ struct Measurement {
     Mat3 attitude = Mat3::Identity();  ///< of the sensor in its world frame, whose yaw is arbitrary
     Vec3 rate = Vec3::Zero();          ///< angular velocity, in the sensor frame [rad/s]
     Vec3 acceleration = Vec3::Zero();  ///< specific force, in the sensor frame [m/s²]
+
+    bool operator==(const Imu&) const = default;
   } imu;
   BySide<Wrench> sole;  ///< contact wrench on each sole, in the sole frame, moment about its centre
   std::optional<RootMeasurement> root;

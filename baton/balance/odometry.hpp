@@ -6,21 +6,10 @@
 #include "baton/balance/map_matching.hpp"
 #include "baton/balance/root_imu.hpp"
 #include "baton/balance/sole_wrenches.hpp"
+#include "baton/balance/state_source.hpp"
 #include "baton/motion/motion.hpp"
 
 namespace baton {
-
-/// Sensors used for the state of the robot.
-enum class StateSource {
-  sensors,  ///< encoders, IMU, force sensors under the soles
-  torques,  ///< encoders, IMU, motor torques
-  perfect,  ///< measured root pose, in simulation only
-};
-
-[[nodiscard]] constexpr std::string_view to_string(StateSource source) {
-  constexpr std::array<std::string_view, 3> names{"sensors", "torques", "perfect"};
-  return names[static_cast<std::size_t>(source)];
-}
 
 class Odometry {
  public:

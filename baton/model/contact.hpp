@@ -14,6 +14,8 @@ struct Wrench {
   [[nodiscard]] Vec3 moment_about(const Vec3& point) const { return moment - point.cross(force); }
   /// ZMP on the plane z = height [m]. NaN unless the vertical force is positive.
   [[nodiscard]] Vec2 zmp(double height) const;
+
+  bool operator==(const Wrench&) const = default;
 };
 
 /// The total contact wrench, about the frame's origin, that a motion needs.

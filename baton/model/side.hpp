@@ -27,6 +27,8 @@ struct BySide {
   T right{};
   [[nodiscard]] constexpr T& operator[](Side side) { return side == Side::left ? left : right; }
   [[nodiscard]] constexpr const T& operator[](Side side) const { return side == Side::left ? left : right; }
+
+  bool operator==(const BySide&) const = default;
 };
 
 /// Mean yaw of the soles, which is the yaw of the heading frame [rad].

@@ -35,7 +35,14 @@ struct GuardChanged {
   Guard to = Guard::armed;
 };
 
-using Event = std::variant<Committed, Ended, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged>;
+/// A sensor's readings are rejected, or believed again.
+struct SensorChanged {
+  Sensor sensor = Sensor::encoders;
+  Health health = Health::good;
+};
+
+using Event =
+    std::variant<Committed, Ended, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged, SensorChanged>;
 
 /// The event of a kind; null if there is none among these.
 template <typename Kind>
@@ -56,7 +63,7 @@ class Events {
   [[nodiscard]] std::span<const Event> list() const { return {events_.data(), count_}; }
 
  private:
-  std::array<Event, 16> events_;  ///< more than a tick can have: each kind happens twice at most
+  std::array<Event, 24> events_;  ///< more than a tick can have: each kind happens twice, or once for each sensor
   std::size_t count_ = 0;
 };
 

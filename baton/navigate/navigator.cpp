@@ -48,7 +48,10 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   if (watch_.slip_found()) course_.accept_slip(watch_.slid(course_.sample()));
   tell_changes();
   if (watch_.soft()) {
-    soft_.q = measurement.q;
+    // Where the joints are, so that a servo gives no torque either.
+    const Eigen::Index n = soft_.q.size();
+    for (Eigen::Index j = 0; j < n; ++j)
+      soft_.q[j] = std::isfinite(measurement.q[j]) ? measurement.q[j] : watch_.state().q[7 + j];
     return soft_;
   }
   const JointTarget& target = stabiliser_.target(course_.sample(), course_.next_sample(), watch_.state());
@@ -193,7 +196,15 @@ void Navigator::tell_changes() {
   if (watch_.slips() != told_.slips) events_.add(Slipped{watch_.last_slip()});
   if (watch_.disturbed() != told_.disturbed) events_.add(DisturbedChanged{watch_.disturbed()});
   if (watch_.guard() != told_.guard) events_.add(GuardChanged{told_.guard, watch_.guard()});
-  told_ = {motion() != nullptr, watch_.guard(), watch_.disturbed(), watch_.slips()};
+  told_.executing = motion() != nullptr;
+  told_.guard = watch_.guard();
+  told_.disturbed = watch_.disturbed();
+  told_.slips = watch_.slips();
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    const auto sensor = static_cast<Sensor>(i);
+    const Health health = watch_.sensors().health(sensor);
+    if (std::exchange(told_.health[i], health) != health) events_.add(SensorChanged{sensor, health});
+  }
 }
 
 Purpose Navigator::purpose() const {

@@ -92,7 +92,9 @@ class Navigator {
   [[nodiscard]] const State& state() const { return watch_.state(); }
   [[nodiscard]] const Odometry& odometry() const { return watch_.odometry(); }
   [[nodiscard]] Guard guard() const { return watch_.guard(); }
-  /// Whether the DCM error is too large to begin a motion.
+  /// Plausibility of the sensors' readings.
+  [[nodiscard]] const SensorCheck& sensors() const { return watch_.sensors(); }
+  /// Whether the DCM error is too large to begin a motion, or a sensor is lost.
   [[nodiscard]] bool disturbed() const { return watch_.disturbed(); }
   /// Estimated − planned DCM, in world axes [m].
   [[nodiscard]] const Vec2& dcm_error() const { return watch_.dcm_error(); }
@@ -146,6 +148,7 @@ class Navigator {
     Guard guard = Guard::armed;
     bool disturbed = false;
     long slips = 0;
+    std::array<Health, kSensors> health{};
   };
   Told told_;
 };

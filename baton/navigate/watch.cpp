@@ -8,27 +8,28 @@
 namespace baton {
 namespace {
 
-constexpr double kDisturbed = 0.02;    ///< error of the DCM from which nothing new is begun [COM height]
-constexpr double kRecovered = 0.01;    ///< error below which the robot is no longer disturbed [COM height]
-constexpr double kSinks = 4e-3;        ///< difference of heights that is how soles sink [COM height]
-constexpr double kFallenTilt = 0.8;    ///< inclination of the trunk from which a fall is certain [rad]
-constexpr double kFallenHeight = 0.5;  ///< height of the COM below which it is [nominal]
-constexpr double kLifted = 0.1;        ///< load of the soles below which the robot is held by someone [weight]
-constexpr double kStands = 0.5;        ///< load from which it stands again [weight]
-constexpr double kLifting = 0.9;       ///< time for which that has to last [1/ω]
-constexpr double kStill = 6.0;         ///< time for which a robot that was stood up has to be still [1/ω]
-constexpr double kStillSpeed = 0.016;  ///< and its COM slower than this [COM height × ω]
-constexpr double kCarries = 0.2;       ///< load of a sole that carries [weight]
-constexpr double kUneven = 0.015;      ///< inclination from which the ground is not what the map says [rad]
-constexpr double kForgets = 60.0;      ///< time constant with which that is forgotten [1/ω]
+constexpr double kDisturbed = 0.02;     ///< error of the DCM from which nothing new is begun [COM height]
+constexpr double kRecovered = 0.01;     ///< error below which the robot is no longer disturbed [COM height]
+constexpr double kSinks = 4e-3;         ///< difference of heights that is how soles sink [COM height]
+constexpr double kFallenTilt = 0.7;     ///< inclination of the trunk from which it falls [rad]
+constexpr double kFallenHeight = 0.58;  ///< height of the COM below which it falls [nominal]
+constexpr double kFalling = 0.09;       ///< time for which that has to last, for a fall to be certain [1/ω]
+constexpr double kLifted = 0.1;         ///< load of the soles below which the robot is held by someone [weight]
+constexpr double kStands = 0.5;         ///< load from which it stands again [weight]
+constexpr double kLifting = 0.9;        ///< time for which that has to last [1/ω]
+constexpr double kStill = 6.0;          ///< time for which a robot that was stood up has to be still [1/ω]
+constexpr double kStillSpeed = 0.016;   ///< and its COM slower than this [COM height × ω]
+constexpr double kCarries = 0.2;        ///< load of a sole that carries [weight]
+constexpr double kUneven = 0.015;       ///< inclination from which the ground is not what the map says [rad]
+constexpr double kForgets = 60.0;       ///< time constant with which that is forgotten [1/ω]
 
 }  // namespace
 
 Watch::Watch(const RobotModel& robot, const World& world, StateSource source, const Posture& start)
-    : robot_(&robot), odometry_(robot, world, source, start), estimator_(robot) {}
+    : robot_(&robot), sensors_(robot, source), odometry_(robot, world, source, start), estimator_(robot) {}
 
 void Watch::estimate(const Measurement& measurement, const MotionSample& planned, const Pose& anchor) {
-  measured_ = &odometry_.update(measurement, planned);
+  measured_ = &odometry_.update(sensors_.check(measurement, planned), planned);
   state_ = &estimator_.update(*measured_, anchor);
 }
 
@@ -50,14 +51,16 @@ void Watch::update_guard(bool centred) {
   const BySide<double>& load = odometry_.load();
   const double carried = (load.left + load.right) / (robot_->mass() * kGravity);
   const double lower = std::min(state_->sole.left.p.z(), state_->sole.right.p.z());
-  const auto lasts = [this](bool condition, double time) {
-    guard_ticks_ = condition ? guard_ticks_ + 1 : 0;
-    return guard_ticks_ * robot_->profile().tick.period * robot_->omega() >= time;
+  // Negated, so that an estimate that is not a number counts as a fall.
+  const bool falls = !(tilt_of(state_->trunk) <= kFallenTilt && state_->com.z() - lower >= kFallenHeight * height);
+  const auto lasting = [this](int& ticks, bool condition, double time) {
+    ticks = condition ? ticks + 1 : 0;
+    return ticks * robot_->profile().tick.period * robot_->omega() >= time;
   };
+  const auto lasts = [&](bool condition, double time) { return lasting(guard_ticks_, condition, time); };
   switch (guard_) {
     case Guard::armed:
-      // Negated, so that an estimate that is not a number counts as a fall.
-      if (!(tilt_of(state_->trunk) <= kFallenTilt && state_->com.z() - lower >= kFallenHeight * height)) return fall();
+      if (lasting(falling_ticks_, falls, kFalling)) return fall();
       if (lasts(carried < kLifted, kLifting)) guard_ = Guard::lifted;
       break;
     case Guard::lifted:
@@ -74,7 +77,7 @@ void Watch::update_guard(bool centred) {
 
 void Watch::fall() {
   guard_ = Guard::fallen;
-  guard_ticks_ = 0;
+  guard_ticks_ = falling_ticks_ = 0;
   disturbed_ = slip_.now = slip_.found = false;
   dcm_error_.setZero();
 }

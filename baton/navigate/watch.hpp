@@ -3,6 +3,7 @@
 #pragma once
 
 #include "baton/balance/odometry.hpp"
+#include "baton/balance/sensor_check.hpp"
 #include "baton/balance/state.hpp"
 #include "baton/plan/request.hpp"
 
@@ -42,8 +43,11 @@ class Watch {
   [[nodiscard]] Guard guard() const { return guard_; }
   /// Whether the robot has fallen and is not armed again.
   [[nodiscard]] bool soft() const { return guard_ == Guard::fallen || guard_ == Guard::stood_up; }
-  /// Whether the DCM error is too large to begin a motion: hysteresis from 0.02 to 0.01 of the nominal COM height.
-  [[nodiscard]] bool disturbed() const { return disturbed_; }
+  /// Plausibility of the sensors' readings.
+  [[nodiscard]] const SensorCheck& sensors() const { return sensors_; }
+  /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis from 0.02 to 0.01 of
+  /// the nominal COM height.
+  [[nodiscard]] bool disturbed() const { return disturbed_ || sensors_.lost(); }
   /// Estimated − planned DCM, in world axes [m]. The plan is first displaced by the slip of the soles.
   [[nodiscard]] const Vec2& dcm_error() const { return dcm_error_; }
   /// Whether soles stand so far from their plan that the history can no longer be retraced.
@@ -72,14 +76,16 @@ class Watch {
   [[nodiscard]] bool stands_upright() const;
 
   const RobotModel* robot_;
+  SensorCheck sensors_;
   Odometry odometry_;
   Estimator estimator_;
   const Measurement* measured_ = nullptr;
   const State* state_ = nullptr;
   Guard guard_ = Guard::armed;
-  int guard_ticks_ = 0;  ///< for which the condition that would change the guard has held
+  int guard_ticks_ = 0;    ///< for which the condition that would change the guard has held
+  int falling_ticks_ = 0;  ///< for which trunk and COM have been as in a fall
   Vec2 dcm_error_ = Vec2::Zero();
-  bool disturbed_ = false;
+  bool disturbed_ = false;  ///< by the DCM error
   struct Slip {
     bool now = false;
     bool found = false;  ///< in this tick

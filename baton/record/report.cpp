@@ -27,6 +27,7 @@ void Report::on_tick(const TickRecord& record) {
   if (record.truth != nullptr) kinematics_.set(record.truth->q);
   commands_.add(record, kinematics_);
   segments_.add(nav, kinematics_.com());
+  note_sensors(nav);
   has_truth_ = record.truth != nullptr;
   if (!has_truth_) return;
   const Truth& truth = *record.truth;
@@ -41,6 +42,16 @@ void Report::on_plan(const PlanRecord& record) {
   if (std::holds_alternative<std::monostate>(record.answer.outcome)) return;
   plan_.add(record.plan_us);
   commands_.answered(record.request);
+}
+
+void Report::note_sensors(const Navigator& navigator) {
+  for (std::size_t i = 0; i < kSensors; ++i)
+    sensors_[i].rejected += navigator.sensors().health(static_cast<Sensor>(i)) == Health::good ? 0 : 1;
+  for (const Event& event : navigator.events()) {
+    const auto* changed = std::get_if<SensorChanged>(&event);
+    if (changed != nullptr && changed->health == Health::lost)
+      ++sensors_[static_cast<std::size_t>(changed->sensor)].lost;
+  }
 }
 
 void Report::note_zmp_margin(const Truth& truth) {
@@ -70,6 +81,12 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
     const Pose pose = part == Part::trunk ? kinematics_.trunk() : guided_pose(kinematics_, part);
     final[std::string(to_string(part))] = {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
   }
+  nlohmann::json sensors = nlohmann::json::object();
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    if (sensors_[i].rejected == 0) continue;
+    sensors[std::string(to_string(static_cast<Sensor>(i)))] = {{"rejected_ticks", sensors_[i].rejected},
+                                                               {"lost", sensors_[i].lost}};
+  }
   nlohmann::json report = {
       {"robot", robot_->profile().name},
       {"world", world},
@@ -80,6 +97,7 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
       {"segments", segments_.json()},
       {"commands", commands_.json()},
       {"travel_m", segments_.travel(kinematics_.com())},
+      {"sensors", std::move(sensors)},
       {"plan_us", plan_.summary()},
       {"tick_us", tick_.summary()},
       {"zmp_margin_m",

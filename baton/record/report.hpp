@@ -33,6 +33,7 @@ class Report : public Sink {
 
   void note_zmp_margin(const Truth& truth);
   void note_height(const Navigator& navigator);
+  void note_sensors(const Navigator& navigator);
 
   const RobotModel* robot_;
   Kinematics kinematics_;  ///< true configuration
@@ -47,6 +48,11 @@ class Report : public Sink {
   Durations tick_;
   double zmp_margin_ = std::numeric_limits<double>::infinity();  ///< least margin of the measured ZMP [m]
   RestHeight height_;
+  struct SensorCount {
+    long rejected = 0;  ///< ticks
+    long lost = 0;      ///< times
+  };
+  std::array<SensorCount, kSensors> sensors_;
 };
 
 }  // namespace baton

@@ -228,7 +228,9 @@ class FuzzedRun {
         break;
       case Trouble::tipped: {
         const Mat3 tip = rotation_exp(Vec3(0.0, 1.0, 0.0));
+        const Vec3 acceleration = m.imu.attitude * m.imu.acceleration;
         m.imu.attitude = tip * m.imu.attitude;
+        m.imu.acceleration = m.imu.attitude.transpose() * acceleration;
         if (perfect) m.root->pose.R = tip * m.root->pose.R;
         break;
       }

@@ -1,0 +1,156 @@
+#include "baton/balance/sensor_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace baton {
+namespace {
+
+constexpr double kBridge = 0.3;      ///< longest time that a prediction stands in for a sensor [s]
+constexpr double kMemory = 0.05;     ///< time constant with which contradictions add up [s]
+constexpr double kMoves = 0.1;       ///< planned speed from which readings change: norm over the joints [rad/s]
+constexpr double kSame = 0.02;       ///< longest time between two measurements of a slow robot [s]
+constexpr double kFastest = 1.5;     ///< largest speed of a joint, as a fall may drive it [no-load speed]
+constexpr double kSpeedJump = 12.0;  ///< largest change of a speed in a tick: noise of encoders [rad/s]
+constexpr double kStep = 0.035;      ///< change of an angle beyond its speed: noise and backlash [rad]
+constexpr double kStray = 0.3;       ///< how fast a joint leaves its prediction [rad/s]
+constexpr double kStuck = 0.03;      ///< planned movement without a change of the angle [rad]
+constexpr double kExcess = 0.04;     ///< speed beyond the change of the angle, added up [rad]
+
+bool finite(const Wrench& wrench) {
+  return wrench.force.allFinite() && wrench.moment.allFinite();
+}
+
+bool finite(const Measurement& m) {
+  return m.q.allFinite() && m.dq.allFinite() && m.imu.attitude.allFinite() && m.imu.rate.allFinite() &&
+         m.imu.acceleration.allFinite() && finite(m.sole.left) && finite(m.sole.right);
+}
+
+}  // namespace
+
+SensorCheck::SensorCheck(const RobotModel& robot, StateSource source)
+    : robot_(&robot),
+      period_(robot.profile().tick.period),
+      imu_(robot.imu_in_root().value_or(Pose{}), period_),
+      forces_(robot),
+      joints_(static_cast<std::size_t>(robot.nv() - 6)) {
+  const auto use = [this](Sensor sensor, bool used) { used_[static_cast<std::size_t>(sensor)] = used; };
+  use(Sensor::encoders, true);
+  for (const Sensor sensor : {Sensor::attitude, Sensor::gyro, Sensor::accelerometer})
+    use(sensor, source != StateSource::perfect);
+  use(Sensor::forces, source != StateSource::torques);
+  use(Sensor::torques, source == StateSource::torques);
+  last_.q = last_.dq = last_.torque = VecX::Zero(robot.nv() - 6);
+  checked_ = last_;
+}
+
+const Measurement& SensorCheck::check(const Measurement& measurement, const MotionSample& planned) {
+  if (first_) {
+    last_ = checked_ = measurement;
+    checked_.q = planned.q.tail(robot_->nv() - 6);
+    checked_.dq = planned.dq.tail(robot_->nv() - 6);
+  }
+  checked_.t = measurement.t;
+  checked_.root = measurement.root;
+  if (repeats(measurement) && planned.dq.norm() > kMoves) {
+    predict(planned);
+    return checked_;
+  }
+  repeats_ = 0;
+  count(Sensor::encoders, check_joints(measurement, planned));
+  if (used(Sensor::gyro)) {
+    const ImuCheck::Accepted accepted = imu_.check(measurement.imu, planned);
+    count(Sensor::attitude, accepted.attitude);
+    count(Sensor::gyro, accepted.gyro);
+    count(Sensor::accelerometer, accepted.accelerometer);
+    checked_.imu = imu_.imu();
+  } else {
+    checked_.imu = measurement.imu;
+  }
+  checked_.torque = measurement.torque;
+  checked_.sole = measurement.sole;
+  if (used(Sensor::forces) && !count(Sensor::forces, forces_.forces_accepted(checked_, planned)))
+    checked_.sole = forces_.planned_forces(planned);
+  if (used(Sensor::torques) && !count(Sensor::torques, forces_.torques_accepted(measurement.torque)))
+    forces_.planned_torques(planned, checked_.torque);
+  last_ = measurement;
+  first_ = false;
+  return checked_;
+}
+
+bool SensorCheck::repeats(const Measurement& m) const {
+  // What is not finite is the same as nothing, as recordings do not tell infinity from NaN.
+  return !first_ && m.q == last_.q && m.dq == last_.dq && m.imu == last_.imu && m.sole == last_.sole && finite(m);
+}
+
+void SensorCheck::predict(const MotionSample& planned) {
+  const Eigen::Index n = checked_.q.size();
+  ++repeats_;
+  checked_.q += period_ * planned.dq.tail(n);
+  checked_.dq = planned.dq.tail(n);
+  for (JointCheck& joint : joints_)
+    ++joint.rejected;
+  if (used(Sensor::gyro)) {
+    imu_.predict(planned);
+    checked_.imu = imu_.imu();
+  }
+  if (used(Sensor::forces)) checked_.sole = forces_.planned_forces(planned);
+  if (used(Sensor::torques) && checked_.torque.size() > 0) forces_.planned_torques(planned, checked_.torque);
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    if (used_[i] && repeats_ * period_ >= kSame) ++rejected_[i];
+  }
+}
+
+bool SensorCheck::check_joints(const Measurement& measurement, const MotionSample& planned) {
+  const double leak = 1.0 - period_ / kMemory;
+  bool all = true;
+  for (Eigen::Index j = 0; j < checked_.q.size(); ++j) {
+    JointCheck& joint = joints_[static_cast<std::size_t>(j)];
+    const double q = measurement.q[j];
+    const double dq = measurement.dq[j];
+    const double fastest = kFastest * robot_->joints()[static_cast<std::size_t>(j)].motor.no_load;
+    const double bridged = joint.rejected * period_;
+
+    // What is not a number fails every comparison.
+    const bool in_range = std::abs(dq) <= fastest;
+    const bool continuous = in_range && std::abs(dq - checked_.dq[j]) <= kSpeedJump;
+    const double expected = checked_.q[j] + period_ * (continuous ? dq : planned.dq[6 + j]);
+    const double most = kStep + kStray * bridged + (continuous ? 0.0 : period_ * fastest);
+    joint.planned = q == last_.q[j] ? joint.planned + period_ * planned.dq[6 + j] : 0.0;
+    joint.steady = std::abs(q - last_.q[j]) <= kStep + period_ * fastest ? joint.steady + period_ : 0.0;
+    const bool angle = std::abs(joint.planned) <= kStuck &&
+                       (first_ ? std::isfinite(q) : std::abs(q - expected) <= most || joint.steady > kBridge);
+
+    const double excess = period_ * dq - (q - checked_.q[j]);
+    joint.excess *= leak;
+    if (angle && in_range && joint.rejected == 0 && !first_) joint.excess += excess;
+    const bool speed = in_range && std::abs(joint.excess) <= kExcess;
+
+    joint.rejected = angle ? 0 : joint.rejected + 1;
+    checked_.q[j] = angle ? q : checked_.q[j] + period_ * planned.dq[6 + j];
+    checked_.dq[j] = speed ? dq : planned.dq[6 + j];
+    all = all && angle && speed;
+  }
+  return all;
+}
+
+bool SensorCheck::count(Sensor sensor, bool accepted) {
+  int& ticks = rejected_[static_cast<std::size_t>(sensor)];
+  ticks = accepted ? 0 : ticks + 1;
+  return accepted;
+}
+
+Health SensorCheck::health(Sensor sensor) const {
+  const int rejected = rejected_[static_cast<std::size_t>(sensor)];
+  if (rejected == 0) return Health::good;
+  return rejected * period_ >= kBridge ? Health::lost : Health::bridged;
+}
+
+bool SensorCheck::lost() const {
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    if (health(static_cast<Sensor>(i)) == Health::lost) return true;
+  }
+  return false;
+}
+
+}  // namespace baton
