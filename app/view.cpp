@@ -13,11 +13,10 @@ namespace {
 constexpr double kSlipShows = 2.0;  ///< time that a slip is shown to the operator [s]
 constexpr double kShows = 0.2;      ///< time off the plan before the operator is told [s]
 
-/// Their names, with commas.
+/// Names of the lost sensors, separated by commas.
 std::string lost_sensors(const SensorCheck& sensors) {
   std::string names;
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    const auto sensor = static_cast<Sensor>(i);
+  for (const Sensor sensor : kSensors) {
     if (sensors.health(sensor) == Health::lost)
       names += fmt::format("{}{}", names.empty() ? "" : ", ", to_string(sensor));
   }

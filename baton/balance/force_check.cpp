@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baton/balance/check_limits.hpp"
+
 namespace baton {
 namespace {
 
-constexpr double kMoves = 0.1;      ///< planned speed from which readings change: norm over the joints [rad/s]
-constexpr double kSame = 0.02;      ///< longest time between two readings of a slow sensor [s]
 constexpr double kLoad = 10.0;      ///< largest contact force [weight], and moment [weight × COM height]
 constexpr double kLightLoad = 0.3;  ///< load of a sole below which its centre of pressure says nothing [weight]
 constexpr double kBeyond = 0.15;    ///< how far beyond its sole a centre of pressure may be measured [COM height]
@@ -41,7 +41,7 @@ bool ForceCheck::forces_accepted(const Measurement& measurement, const MotionSam
   const BySide<double> measured{sole.left.force.z() / weight_, sole.right.force.z() / weight_};
   const BySide<double> expected = planned_load(planned);
   const double off = difference(measured, expected);
-  if (same_ * period_ >= kSame && planned.dq.norm() > kMoves && off > kStuckLoad) return false;
+  if (same_ * period_ >= check::kSame && planned.dq.norm() > check::kMoves && off > kStuckLoad) return false;
   if (off <= kUnplanned || measurement.torque.size() == 0 || !torques_accepted(measurement.torque)) {
     unfelt_ = 0;
     return true;

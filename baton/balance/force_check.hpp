@@ -12,12 +12,12 @@ class ForceCheck {
   /// The robot must outlive the object.
   explicit ForceCheck(const RobotModel& robot);
 
-  /// In range; centres of pressure on the soles; not constant while the plan moves; and if the load of a sole is far
-  /// from the plan, the motor torques agree.
+  /// Whether the forces are in range; centres of pressure on the soles; not constant while the plan moves; and if the
+  /// load of a sole is far from the plan, the motor torques agree.
   /// @param measurement with joint angles that are believed
   /// @param planned sample of this tick
   [[nodiscard]] bool forces_accepted(const Measurement& measurement, const MotionSample& planned);
-  /// Finite, and what such motors can give.
+  /// Whether all torques are finite and at most 1.5 times the stall torques.
   [[nodiscard]] bool torques_accepted(const VecX& torque) const;
 
   /// The contact wrenches that the plan needs, in the sole frames, moment about the sole's centre.
@@ -29,9 +29,9 @@ class ForceCheck {
   [[nodiscard]] bool in_range(const BySide<Wrench>& sole) const;
   /// Vertical force on each sole, by where the planned ZMP is between them [weight].
   [[nodiscard]] static BySide<double> planned_load(const MotionSample& planned);
-  /// The same by the motor torques.
+  /// Vertical force on each sole, by the motor torques [weight].
   [[nodiscard]] BySide<double> felt_load(const Measurement& measurement, const MotionSample& planned);
-  /// About the origin; sets `kinematics_`.
+  /// Planned contact wrench on each sole, moment about the origin. Sets `kinematics_`.
   [[nodiscard]] BySide<Wrench> planned_contact(const MotionSample& planned);
 
   const RobotModel* robot_;

@@ -3,13 +3,12 @@
 #include <cmath>
 #include <utility>
 
+#include "baton/balance/check_limits.hpp"
+
 namespace baton {
 namespace {
 
 constexpr double kConfirm = 0.1;  ///< time for which attitude and gyro contradict each other before gravity decides [s]
-constexpr double kMemory = 0.05;  ///< time constant with which contradictions add up [s]
-constexpr double kMoves = 0.1;    ///< planned speed from which readings change: norm over the joints [rad/s]
-constexpr double kSame = 0.02;    ///< longest time between two readings of a slow sensor [s]
 constexpr double kDisagree = 0.035;     ///< turns of gyro and attitude in a tick: noise and delay [rad]
 constexpr double kExcess = 0.04;        ///< the same, added up [rad]
 constexpr double kStuckExcess = 0.006;  ///< the same, for a gyro that gives the same again and again [rad]
@@ -51,10 +50,10 @@ ImuCheck::Accepted ImuCheck::check(const Measurement::Imu& imu, const MotionSamp
   const Mat3 turned = rotation_exp(period_ * imu_.rate);
   const Mat3 predicted = first_ && valid ? imu.attitude : Mat3(imu_.attitude * turned);
   const Vec3 force = planned_force(predicted, planned);
-  accepted.accelerometer = accelerometer_accepted(imu.acceleration, force, planned.dq.norm() > kMoves);
+  accepted.accelerometer = accelerometer_accepted(imu.acceleration, force, planned.dq.norm() > check::kMoves);
   imu_.acceleration = accepted.accelerometer ? imu.acceleration : force;
 
-  const double follows = first_ ? 1.0 : period_ / kMemory;
+  const double follows = first_ ? 1.0 : period_ / check::kMemory;
   measured_force_ = turned.transpose() * measured_force_;
   measured_force_ += follows * (imu_.acceleration - measured_force_);
   planned_force_ += follows * (specific_force(planned) - planned_force_);
@@ -82,9 +81,9 @@ void ImuCheck::predict(const MotionSample& planned) {
 
 bool ImuCheck::gyro_accepted(const Vec3& rate, const Vec3& planned, const std::optional<Vec3>& turn) {
   if (!(rate.norm() <= kRate)) return false;
-  const bool stuck = same_.gyro * period_ >= kSame;
+  const bool stuck = same_.gyro * period_ >= check::kSame;
   bool agrees = false;
-  excess_turn_ *= 1.0 - period_ / kMemory;
+  excess_turn_ *= 1.0 - period_ / check::kMemory;
   if (turn) {
     const Vec3 excess = period_ * rate - *turn;
     agrees = excess.norm() <= kDisagree;
@@ -98,8 +97,8 @@ bool ImuCheck::gyro_accepted(const Vec3& rate, const Vec3& planned, const std::o
 bool ImuCheck::accelerometer_accepted(const Vec3& acceleration, const Vec3& planned, bool moves) {
   if (!(acceleration.norm() <= kRange)) return false;
   const Vec3 excess = acceleration - planned;
-  if (same_.accelerometer * period_ >= kSame && moves && excess.norm() > kStuckForce) return false;
-  excess_speed_ *= 1.0 - period_ / kMemory;
+  if (same_.accelerometer * period_ >= check::kSame && moves && excess.norm() > kStuckForce) return false;
+  excess_speed_ *= 1.0 - period_ / check::kMemory;
   if (acceleration.norm() > kFreeFall) excess_speed_ += period_ * excess;
   return excess_speed_.norm() <= kExcessSpeed;
 }

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baton/balance/check_limits.hpp"
+
 namespace baton {
 namespace {
 
 constexpr double kBridge = 0.3;      ///< longest time that a prediction stands in for a sensor [s]
-constexpr double kMemory = 0.05;     ///< time constant with which contradictions add up [s]
-constexpr double kMoves = 0.1;       ///< planned speed from which readings change: norm over the joints [rad/s]
-constexpr double kSame = 0.02;       ///< longest time between two measurements of a slow robot [s]
 constexpr double kFastest = 1.5;     ///< largest speed of a joint, as a fall may drive it [no-load speed]
 constexpr double kSpeedJump = 12.0;  ///< largest change of a speed in a tick: noise of encoders [rad/s]
 constexpr double kStep = 0.035;      ///< change of an angle beyond its speed: noise and backlash [rad]
@@ -34,12 +33,11 @@ SensorCheck::SensorCheck(const RobotModel& robot, StateSource source)
       imu_(robot.imu_in_root().value_or(Pose{}), period_),
       forces_(robot),
       joints_(static_cast<std::size_t>(robot.nv() - 6)) {
-  const auto use = [this](Sensor sensor, bool used) { used_[static_cast<std::size_t>(sensor)] = used; };
-  use(Sensor::encoders, true);
+  used_[Sensor::encoders] = true;
   for (const Sensor sensor : {Sensor::attitude, Sensor::gyro, Sensor::accelerometer})
-    use(sensor, source != StateSource::perfect);
-  use(Sensor::forces, source != StateSource::torques);
-  use(Sensor::torques, source == StateSource::torques);
+    used_[sensor] = source != StateSource::perfect;
+  used_[Sensor::forces] = source != StateSource::torques;
+  used_[Sensor::torques] = source == StateSource::torques;
   last_.q = last_.dq = last_.torque = VecX::Zero(robot.nv() - 6);
   checked_ = last_;
 }
@@ -52,13 +50,13 @@ const Measurement& SensorCheck::check(const Measurement& measurement, const Moti
   }
   checked_.t = measurement.t;
   checked_.root = measurement.root;
-  if (repeats(measurement) && planned.dq.norm() > kMoves) {
+  if (repeats(measurement) && planned.dq.norm() > check::kMoves) {
     predict(planned);
     return checked_;
   }
   repeats_ = 0;
   count(Sensor::encoders, check_joints(measurement, planned));
-  if (used(Sensor::gyro)) {
+  if (used_[Sensor::gyro]) {
     const ImuCheck::Accepted accepted = imu_.check(measurement.imu, planned);
     count(Sensor::attitude, accepted.attitude);
     count(Sensor::gyro, accepted.gyro);
@@ -69,9 +67,9 @@ const Measurement& SensorCheck::check(const Measurement& measurement, const Moti
   }
   checked_.torque = measurement.torque;
   checked_.sole = measurement.sole;
-  if (used(Sensor::forces) && !count(Sensor::forces, forces_.forces_accepted(checked_, planned)))
+  if (used_[Sensor::forces] && !count(Sensor::forces, forces_.forces_accepted(checked_, planned)))
     checked_.sole = forces_.planned_forces(planned);
-  if (used(Sensor::torques) && !count(Sensor::torques, forces_.torques_accepted(measurement.torque)))
+  if (used_[Sensor::torques] && !count(Sensor::torques, forces_.torques_accepted(measurement.torque)))
     forces_.planned_torques(planned, checked_.torque);
   last_ = measurement;
   first_ = false;
@@ -90,19 +88,19 @@ void SensorCheck::predict(const MotionSample& planned) {
   checked_.dq = planned.dq.tail(n);
   for (JointCheck& joint : joints_)
     ++joint.rejected;
-  if (used(Sensor::gyro)) {
+  if (used_[Sensor::gyro]) {
     imu_.predict(planned);
     checked_.imu = imu_.imu();
   }
-  if (used(Sensor::forces)) checked_.sole = forces_.planned_forces(planned);
-  if (used(Sensor::torques) && checked_.torque.size() > 0) forces_.planned_torques(planned, checked_.torque);
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    if (used_[i] && repeats_ * period_ >= kSame) ++rejected_[i];
+  if (used_[Sensor::forces]) checked_.sole = forces_.planned_forces(planned);
+  if (used_[Sensor::torques] && checked_.torque.size() > 0) forces_.planned_torques(planned, checked_.torque);
+  for (const Sensor sensor : kSensors) {
+    if (used_[sensor] && repeats_ * period_ >= check::kSame) ++rejected_[sensor];
   }
 }
 
 bool SensorCheck::check_joints(const Measurement& measurement, const MotionSample& planned) {
-  const double leak = 1.0 - period_ / kMemory;
+  const double leak = 1.0 - period_ / check::kMemory;
   bool all = true;
   for (Eigen::Index j = 0; j < checked_.q.size(); ++j) {
     JointCheck& joint = joints_[static_cast<std::size_t>(j)];
@@ -135,22 +133,20 @@ bool SensorCheck::check_joints(const Measurement& measurement, const MotionSampl
 }
 
 bool SensorCheck::count(Sensor sensor, bool accepted) {
-  int& ticks = rejected_[static_cast<std::size_t>(sensor)];
+  int& ticks = rejected_[sensor];
   ticks = accepted ? 0 : ticks + 1;
   return accepted;
 }
 
 Health SensorCheck::health(Sensor sensor) const {
-  const int rejected = rejected_[static_cast<std::size_t>(sensor)];
+  const int rejected = rejected_[sensor];
   if (rejected == 0) return Health::good;
   return rejected * period_ >= kBridge ? Health::lost : Health::bridged;
 }
 
 bool SensorCheck::lost() const {
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    if (health(static_cast<Sensor>(i)) == Health::lost) return true;
-  }
-  return false;
+  return std::any_of(kSensors.begin(), kSensors.end(),
+                     [this](Sensor sensor) { return health(sensor) == Health::lost; });
 }
 
 }  // namespace baton

@@ -13,11 +13,20 @@
 namespace baton {
 
 enum class Sensor { encoders, torques, attitude, gyro, accelerometer, forces };
-inline constexpr std::size_t kSensors = static_cast<std::size_t>(Sensor::forces) + 1;
+inline constexpr std::array kSensors{Sensor::encoders, Sensor::torques,       Sensor::attitude,
+                                     Sensor::gyro,     Sensor::accelerometer, Sensor::forces};
+
+/// One value for each sensor.
+template <typename T>
+struct BySensor {
+  std::array<T, kSensors.size()> values{};
+  [[nodiscard]] constexpr T& operator[](Sensor sensor) { return values[static_cast<std::size_t>(sensor)]; }
+  [[nodiscard]] constexpr const T& operator[](Sensor sensor) const { return values[static_cast<std::size_t>(sensor)]; }
+};
 
 [[nodiscard]] constexpr std::string_view to_string(Sensor sensor) {
-  constexpr std::array<std::string_view, kSensors> names{"encoders", "torques",       "attitude",
-                                                         "gyro",     "accelerometer", "forces"};
+  constexpr std::array<std::string_view, kSensors.size()> names{"encoders", "torques",       "attitude",
+                                                                "gyro",     "accelerometer", "forces"};
   return names[static_cast<std::size_t>(sensor)];
 }
 
@@ -60,19 +69,18 @@ class SensorCheck {
   /// Moves everything as planned.
   void predict(const MotionSample& planned);
   [[nodiscard]] bool check_joints(const Measurement& measurement, const MotionSample& planned);
-  [[nodiscard]] bool used(Sensor sensor) const { return used_[static_cast<std::size_t>(sensor)]; }
   /// Counts ticks of rejection. Returns `accepted`.
   bool count(Sensor sensor, bool accepted);
 
   const RobotModel* robot_;
   double period_;
-  std::array<bool, kSensors> used_{};
+  BySensor<bool> used_;  ///< whether the state depends on the sensor
   ImuCheck imu_;
   ForceCheck forces_;
-  Measurement last_;                      ///< reading one tick ago
-  Measurement checked_;                   ///< believed
-  std::array<int, kSensors> rejected_{};  ///< ticks in a row
-  int repeats_ = 0;                       ///< ticks since something was measured
+  Measurement last_;        ///< reading one tick ago
+  Measurement checked_;     ///< believed
+  BySensor<int> rejected_;  ///< ticks in a row
+  int repeats_ = 0;         ///< ticks since something was measured
   struct JointCheck {
     int rejected = 0;      ///< ticks in a row
     double planned = 0.0;  ///< planned movement since the angle last changed [rad]

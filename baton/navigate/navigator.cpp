@@ -200,10 +200,9 @@ void Navigator::tell_changes() {
   told_.guard = watch_.guard();
   told_.disturbed = watch_.disturbed();
   told_.slips = watch_.slips();
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    const auto sensor = static_cast<Sensor>(i);
+  for (const Sensor sensor : kSensors) {
     const Health health = watch_.sensors().health(sensor);
-    if (std::exchange(told_.health[i], health) != health) events_.add(SensorChanged{sensor, health});
+    if (std::exchange(told_.health[sensor], health) != health) events_.add(SensorChanged{sensor, health});
   }
 }
 

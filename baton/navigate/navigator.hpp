@@ -148,7 +148,7 @@ class Navigator {
     Guard guard = Guard::armed;
     bool disturbed = false;
     long slips = 0;
-    std::array<Health, kSensors> health{};
+    BySensor<Health> health;
   };
   Told told_;
 };

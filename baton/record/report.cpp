@@ -45,12 +45,11 @@ void Report::on_plan(const PlanRecord& record) {
 }
 
 void Report::note_sensors(const Navigator& navigator) {
-  for (std::size_t i = 0; i < kSensors; ++i)
-    sensors_[i].rejected += navigator.sensors().health(static_cast<Sensor>(i)) == Health::good ? 0 : 1;
+  for (const Sensor sensor : kSensors)
+    sensors_[sensor].rejected += navigator.sensors().health(sensor) == Health::good ? 0 : 1;
   for (const Event& event : navigator.events()) {
     const auto* changed = std::get_if<SensorChanged>(&event);
-    if (changed != nullptr && changed->health == Health::lost)
-      ++sensors_[static_cast<std::size_t>(changed->sensor)].lost;
+    if (changed != nullptr && changed->health == Health::lost) ++sensors_[changed->sensor].lost;
   }
 }
 
@@ -82,10 +81,10 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
     final[std::string(to_string(part))] = {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
   }
   nlohmann::json sensors = nlohmann::json::object();
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    if (sensors_[i].rejected == 0) continue;
-    sensors[std::string(to_string(static_cast<Sensor>(i)))] = {{"rejected_ticks", sensors_[i].rejected},
-                                                               {"lost", sensors_[i].lost}};
+  for (const Sensor sensor : kSensors) {
+    const SensorCount& count = sensors_[sensor];
+    if (count.rejected == 0) continue;
+    sensors[std::string(to_string(sensor))] = {{"rejected_ticks", count.rejected}, {"lost", count.lost}};
   }
   nlohmann::json report = {
       {"robot", robot_->profile().name},

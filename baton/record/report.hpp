@@ -52,7 +52,7 @@ class Report : public Sink {
     long rejected = 0;  ///< ticks
     long lost = 0;      ///< times
   };
-  std::array<SensorCount, kSensors> sensors_;
+  BySensor<SensorCount> sensors_;
 };
 
 }  // namespace baton

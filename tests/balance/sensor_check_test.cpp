@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
 #include "baton/proving/scenario.hpp"
@@ -17,7 +19,7 @@ namespace {
 
 using On = Simulation::On;
 
-/// But for the motor torques, which are not used.
+/// Motor torques are left out, as they are not used.
 bool finite(const Measurement& m) {
   return m.q.allFinite() && m.dq.allFinite() && m.imu.attitude.allFinite() && m.imu.rate.allFinite() &&
          m.imu.acceleration.allFinite() && m.sole.left.force.allFinite() && m.sole.left.moment.allFinite() &&
@@ -25,17 +27,12 @@ bool finite(const Measurement& m) {
 }
 
 bool equal(const Measurement& a, const Measurement& b) {
-  const auto same = [](const Wrench& x, const Wrench& y) { return x.force == y.force && x.moment == y.moment; };
-  return a.t == b.t && a.q == b.q && a.dq == b.dq && a.torque == b.torque && a.imu.attitude == b.imu.attitude &&
-         a.imu.rate == b.imu.rate && a.imu.acceleration == b.imu.acceleration && same(a.sole.left, b.sole.left) &&
-         same(a.sole.right, b.sole.right);
+  return a.t == b.t && a.q == b.q && a.dq == b.dq && a.torque == b.torque && a.imu == b.imu && a.sole == b.sole;
 }
 
 bool all_good(const SensorCheck& sensors) {
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    if (sensors.health(static_cast<Sensor>(i)) != Health::good) return false;
-  }
-  return true;
+  return std::all_of(kSensors.begin(), kSensors.end(),
+                     [&](Sensor sensor) { return sensors.health(sensor) == Health::good; });
 }
 
 /// A robot whose readings are spoiled.

@@ -16,6 +16,7 @@
 #include "baton/record/recording.hpp"
 #include "baton/robot/ideal_robot.hpp"
 #include "baton/verify/verifier.hpp"
+#include "tests/support/turned_imu.hpp"
 
 namespace baton::test {
 
@@ -228,9 +229,7 @@ class FuzzedRun {
         break;
       case Trouble::tipped: {
         const Mat3 tip = rotation_exp(Vec3(0.0, 1.0, 0.0));
-        const Vec3 acceleration = m.imu.attitude * m.imu.acceleration;
-        m.imu.attitude = tip * m.imu.attitude;
-        m.imu.acceleration = m.imu.attitude.transpose() * acceleration;
+        test::turn_imu(m, tip);
         if (perfect) m.root->pose.R = tip * m.root->pose.R;
         break;
       }

@@ -3,6 +3,7 @@
 
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
+#include "tests/support/turned_imu.hpp"
 
 namespace baton {
 namespace {
@@ -48,10 +49,8 @@ class GuardTest : public testing::TestWithParam<std::string> {
     return [angle = 0.0, period = robot_.profile().tick.period](Measurement& m) mutable {
       const double rate = angle < 1.0 ? 10.0 : 0.0;
       angle += rate * period;
-      const Vec3 acceleration = m.imu.attitude * m.imu.acceleration;
-      m.imu.attitude = rotation_exp(Vec3(0.0, angle, 0.0)) * m.imu.attitude;
+      test::turn_imu(m, rotation_exp(Vec3(0.0, angle, 0.0)));
       m.imu.rate += m.imu.attitude.transpose() * Vec3(0.0, rate, 0.0);
-      m.imu.acceleration = m.imu.attitude.transpose() * acceleration;
     };
   }
   static void lift(Measurement& m) { m.sole = {}; }

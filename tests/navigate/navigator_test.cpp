@@ -9,6 +9,7 @@
 #include "baton/ik/stand.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
+#include "tests/support/turned_imu.hpp"
 
 namespace baton {
 namespace {
@@ -523,10 +524,8 @@ TEST_P(NavigatorTest, AfterAFallNothingPlannedIsExecuted) {
     ASSERT_LT(angle, 1.0);
     angle += rate.y() * period;
     Measurement measurement = run.body().read();
-    const Vec3 acceleration = measurement.imu.attitude * measurement.imu.acceleration;
-    measurement.imu.attitude = rotation_exp({0.0, angle, 0.0}) * measurement.imu.attitude;
+    test::turn_imu(measurement, rotation_exp({0.0, angle, 0.0}));
     measurement.imu.rate += measurement.imu.attitude.transpose() * rate;
-    measurement.imu.acceleration = measurement.imu.attitude.transpose() * acceleration;
     run.navigator().tick(measurement, push(Part::trunk, 0));
   }
   for (int k = 0; k < 300; ++k) {
