@@ -9,6 +9,8 @@ namespace {
 constexpr double kIntegralTime = 3.0;  ///< integral time of the servo's torque [1/ω]
 constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak [1/ω]
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
+constexpr double kAttitude = 2.0;      ///< moment by the trunk's attitude error [weight × COM height per rad]
+constexpr double kRate = 1.0;          ///< moment by its rate error [weight × COM height per ω]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
 
 }  // namespace
@@ -16,7 +18,7 @@ constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparin
 Stabiliser::Stabiliser(const RobotModel& robot)
     : robot_(&robot), kinematics_(robot), footing_(robot), distribution_(robot) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  commanded_ = integral_torque_ = zero;
+  commanded_ = integral_torque_ = unloaded_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
 }
 
@@ -24,35 +26,55 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   const Profile& profile = robot_->profile();
   const double omega = robot_->omega();
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
-  if (!std::exchange(first_, false)) {
+  const bool begins = std::exchange(first_, false);
+  if (!begins) {
     footing_.follow(now, next, state, wanted_);
     update_integral(state);
     compare_zmp(now, state);
   }
   kinematics_.set(next.q);
+  const Mat3 trunk = kinematics_.trunk().R;
+  const Vec2 moment = begins ? Vec2(Vec2::Zero()) : attitude_moment(trunk, state);
+  trunk_ = trunk;
   Wrench total = ground_wrench(kinematics_, next.force);
 
-  // p_cmd = p + (1 + k/ω)(ξ_m − ξ_ref), clamped to the region; the moment is changed so that the ZMP becomes p_cmd.
+  // p_cmd = p + (1 + k/ω)(ξ_m − ξ_ref), clamped to the region: by a horizontal force at the COM, which leaves the
+  // moment about the COM as planned.
   const Vec2 wish = next.zmp + (1.0 + profile.stabiliser.k_dcm / omega) * correction_.dcm_error.head<2>();
-  correction_.zmp = next.zmp_region->nearest(wish);
-  const Vec2 shift = correction_.zmp - next.zmp;
-  total.moment += Vec3(shift.x(), shift.y(), 0).cross(Vec3(0, 0, total.force.z()));
+  const Vec2 balanced = next.zmp_region->nearest(wish);
+  const double vertical = total.force.z();
+  const Vec2 push = -vertical / (next.com.z() - next.zmp_height) * (balanced - next.zmp);
+  const Vec3 force(push.x(), push.y(), 0.0);
+  total.force += force;
+  total.moment += next.com.cross(force);
+  // The trunk's attitude, by a moment, with the room that is left for the ZMP.
+  correction_.zmp = next.zmp_region->nearest(balanced + Vec2(-moment.y(), moment.x()) / vertical);
+  const Vec2 turn = correction_.zmp - balanced;
+  total.moment += Vec3(turn.x(), turn.y(), 0).cross(Vec3(0, 0, vertical));
 
-  const BySide<Wrench> shared = distribution_.share(next.sole, next.contact, total);
+  const int n = robot_->nv() - 6;
+  for (int j = 0; j < n; ++j) {
+    const double damping = robot_->joints()[static_cast<std::size_t>(j)].motor.damping;
+    unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + integral_torque_[j];
+  }
+  const BySide<Wrench> shared = distribution_.share(kinematics_, next.sole, next.contact, total, unloaded_);
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
-  joint_torques(kinematics_, next.force, shared, target_.tau);
-  const int n = robot_->nv() - 6;
+  subtract_contact(kinematics_, shared, target_.tau = unloaded_);
   target_.q = next.q.tail(n);
   target_.dq = next.dq.tail(n);
   target_.ddq = next.ddq.tail(n);
   target_.contact = next.contact;
   footing_.apply(kinematics_, next.q, commanded_);
   target_.q_correction = commanded_ - target_.q;
-  for (int j = 0; j < n; ++j) {
-    target_.tau[j] += robot_->joints()[static_cast<std::size_t>(j)].motor.damping * target_.dq[j] + integral_torque_[j];
-  }
   return target_;
+}
+
+Vec2 Stabiliser::attitude_moment(const Mat3& trunk, const State& state) const {
+  const double unit = robot_->mass() * kGravity * robot_->profile().stance.com_height;
+  const Vec3 rate = rotation_error(trunk, trunk_) / robot_->profile().tick.period - state.trunk_rate;
+  const Vec3 moment = kAttitude * rotation_error(trunk_, state.trunk) + kRate / robot_->omega() * rate;
+  return unit * moment.head<2>();
 }
 
 void Stabiliser::compare_zmp(const MotionSample& now, const State& state) {

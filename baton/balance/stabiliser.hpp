@@ -31,17 +31,22 @@ class Stabiliser {
   [[nodiscard]] const Correction& correction() const { return correction_; }
 
  private:
-  const RobotModel* robot_;
   /// Updates the difference between commanded and measured ZMP.
   void compare_zmp(const MotionSample& now, const State& state);
+  /// Horizontal moment that turns the trunk to its planned attitude and rate [N·m].
+  /// @param trunk planned attitude, one tick after `trunk_`
+  [[nodiscard]] Vec2 attitude_moment(const Mat3& trunk, const State& state) const;
   /// Updates the integral action of the joints.
   void update_integral(const State& state);
 
+  const RobotModel* robot_;
   Kinematics kinematics_;
   Footing footing_;
   WrenchDistribution distribution_;
-  VecX commanded_;         ///< latest commanded joint angles, including footing (n) [rad]
-  VecX integral_torque_;   ///< torque of the integral action (n) [N·m]
+  VecX commanded_;                 ///< latest commanded joint angles, including footing (n) [rad]
+  Mat3 trunk_ = Mat3::Identity();  ///< its planned attitude at the time of the measurement
+  VecX unloaded_;                  ///< joint torques without contact (n) [N·m]
+  VecX integral_torque_;           ///< torque of the integral action (n) [N·m]
   BySide<Wrench> wanted_;  ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre
   bool first_ = true;
   JointTarget target_;

@@ -1,5 +1,7 @@
-/// Distribution of the contact wrench: total → each sole, within what the soles can give (docs/balance.md).
+/// Contact wrenches of the soles: the feasible ones closest to what balance asks for (docs/balance.md).
 #pragma once
+
+#include <memory>
 
 #include "baton/model/contact.hpp"
 
@@ -12,25 +14,34 @@ class WrenchDistribution {
 
   /// The robot must outlive the object.
   explicit WrenchDistribution(const RobotModel& robot);
+  ~WrenchDistribution();
+  WrenchDistribution(WrenchDistribution&&) noexcept;
+  WrenchDistribution& operator=(WrenchDistribution&&) noexcept;
 
-  /// The distribution closest to `share_wrench` that is feasible for each sole: centre of pressure inside its outline
-  /// inset by half of `margin.zmp_feedback`, force in the friction pyramid, yaw moment within torsional friction.
-  /// Violations are minimised if none is feasible. Solves a small quadratic program by Hildreth's method, without
+  /// The wrenches closest to `share_wrench` of `total` that soles and motors can give: each centre of pressure inside
+  /// its sole's outline inset by half of `margin.zmp_feedback`, each force in the friction pyramid, each yaw moment
+  /// within torsional friction, the torques of the standing legs within the stall torques. What gives way: first the
+  /// share of each sole, then the moment about the COM, then the horizontal force at the COM; never the vertical
+  /// force. The largest violation is minimised if nothing is feasible. Solves a small quadratic program, without
   /// allocating memory.
-  /// @param sole poses in the frame of `total`
-  /// @return wrenches about the origin
-  [[nodiscard]] BySide<Wrench> share(const BySide<Pose>& sole, const BySide<bool>& contact, const Wrench& total);
+  /// @param kinematics set to the configuration
+  /// @param sole poses, in the frame of `kinematics` and `total`
+  /// @param unloaded joint torques without contact (n) [N·m]
+  /// @return wrenches about the origin; zero without contact
+  [[nodiscard]] BySide<Wrench> share(const Kinematics& kinematics, const BySide<Pose>& sole,
+                                     const BySide<bool>& contact, const Wrench& total, const VecX& unloaded);
 
  private:
-  /// The smallest x with A x + b ≥ 0, by penalty where that is infeasible.
-  [[nodiscard]] Vec6 smallest_shift();
+  struct Program;
+
+  /// Sets what is left of each limit, negative if exceeded. Returns the least.
+  double compare(const Kinematics& kinematics, const BySide<Pose>& sole, const BySide<bool>& contact,
+                 const BySide<Wrench>& shared, const VecX& unloaded);
 
   const RobotModel* robot_;
-  double lever_;  ///< weight of forces against moments: half the stance width [m]
+  double lever_;  ///< weight of forces against moments between the soles: half the stance width [m]
   BySide<ConeRows> limits_;
-  ConeRows A_;
-  VecX b_;
-  VecX multiplier_;  ///< Lagrange multipliers of the rows of A
+  std::unique_ptr<Program> program_;
 };
 
 }  // namespace baton

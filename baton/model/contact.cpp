@@ -85,8 +85,12 @@ BySide<Wrench> share_wrench(const RobotModel& robot, const BySide<Pose>& sole, c
 }
 
 void joint_torques(const Kinematics& kinematics, const VecX& force, const BySide<Wrench>& contact, VecX& tau) {
+  tau = force.tail(kinematics.robot().nv() - 6);
+  subtract_contact(kinematics, contact, tau);
+}
+
+void subtract_contact(const Kinematics& kinematics, const BySide<Wrench>& contact, VecX& tau) {
   const RobotModel& robot = kinematics.robot();
-  tau = force.tail(robot.nv() - 6);
   for (const Side side : kSides) {
     if (contact[side].force.isZero(0.0)) continue;
     for (const int dof : robot.dofs_to(robot.foot_body(side))) {

@@ -48,4 +48,9 @@ struct Wrench {
 /// @param contact wrench on each sole, moment about the origin
 void joint_torques(const Kinematics& kinematics, const VecX& force, const BySide<Wrench>& contact, VecX& tau);
 
+/// Subtracts the torques Jᵀf of the contact wrenches from `tau` (n) [N·m].
+/// @param kinematics set to the configuration
+/// @param contact wrench on each sole, moment about the origin
+void subtract_contact(const Kinematics& kinematics, const BySide<Wrench>& contact, VecX& tau);
+
 }  // namespace baton
