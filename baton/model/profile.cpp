@@ -48,6 +48,17 @@ class Reader {
     return values;
   }
 
+  [[nodiscard]] double number_or(const std::string& key, double lo, double hi, double missing) const {
+    return at(key) ? number(key, lo, hi) : missing;
+  }
+
+  [[nodiscard]] bool flag_or(const std::string& key, bool missing) const {
+    const auto node = at(key);
+    if (!node) return missing;
+    if (!node.is_boolean()) complain(key, "true or false");
+    return *node.value<bool>();
+  }
+
   [[nodiscard]] Range range(const std::string& key, double lo, double hi) const {
     const auto [a, b] = numbers<2>(key, lo, hi);
     if (!(a < b)) complain(key, "[lowest, highest] with lowest < highest");
@@ -151,6 +162,39 @@ std::map<std::string, Profile::Gains> servo_gains(const Reader& read) {
   return by_joint;
 }
 
+/// Errors of the sensors; what is missing is moderate.
+SensorErrors sensor_errors(const Reader& read) {
+  SensorErrors e;
+  e.delay = read.number_or("sensors.delay", 0, 0.1, 0.005);
+  e.jitter = read.number_or("sensors.jitter", 0, 0.1, 0.001);
+  e.encoder_noise = read.number_or("sensors.encoder_noise", 0, 0.1, 0.0);
+  e.encoder_offset = read.number_or("sensors.encoder_offset", 0, 0.2, 0.25 * kDegree);
+  e.encoder_step = read.number_or("sensors.encoder_step", 0, 0.1, 0.05 * kDegree);
+  e.differenced_speeds = read.flag_or("sensors.differenced_speeds", true);
+  e.imu_mount = read.number_or("sensors.imu_mount", 0, 0.2, 0.5 * kDegree);
+  e.imu_wander = read.number_or("sensors.imu_wander", 0, 0.2, 0.5 * kDegree);
+  e.yaw_drift = read.number_or("sensors.yaw_drift", 0, 0.1, 1.7 / 60.0 * kDegree);
+  e.gyro_noise = read.number_or("sensors.gyro_noise", 0, 1, 0.005);
+  e.accelerometer_noise = read.number_or("sensors.accelerometer_noise", 0, 10, 0.05);
+  e.force_noise = read.number_or("sensors.force_noise", 0, 1, 0.02);
+  e.force_gain = read.number_or("sensors.force_gain", 0, 0.5, 0.03);
+  e.force_zero = read.number_or("sensors.force_zero", 0, 1, 0.03);
+  return e;
+}
+
+/// Errors of the actuators; what is missing is moderate.
+ActuatorErrors actuator_errors(const Reader& read) {
+  ActuatorErrors e;
+  e.delay = read.number_or("actuators.delay", 0, 0.1, 0.0);
+  e.held_targets = read.flag_or("actuators.held_targets", true);
+  e.differenced_speeds = read.flag_or("actuators.differenced_speeds", true);
+  e.lag = read.number_or("actuators.lag", 0, 0.1, 0.002);
+  e.friction = read.number_or("actuators.friction", 0, 0.5, 0.05);
+  e.backlash = read.number_or("actuators.backlash", 0, 0.1, 0.25 * kDegree);
+  e.hip_compliance = read.number_or("actuators.hip_compliance", 0, 1, 0.02);
+  return e;
+}
+
 }  // namespace
 
 Drive drive_named(const std::string& name, const std::string& owner) {
@@ -213,6 +257,8 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
   p.drive = drive_named(read.text("drive.kind"), fmt::format("profile {}: drive.kind", file.string()));
   p.gains = servo_gains(read);
+  p.sensors = sensor_errors(read);
+  p.actuators = actuator_errors(read);
   read.complain_of_unknown_keys();
   return p;
 }

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "baton/model/hardware_errors.hpp"
+
 namespace baton {
 
 /// Closed interval.
@@ -144,6 +146,9 @@ struct Profile {
     double kd = 0.0;
   };
   std::map<std::string, Gains> gains;  ///< by joint name
+
+  SensorErrors sensors;      ///< of a simulated robot, as of the real one; optional keys
+  ActuatorErrors actuators;  ///< the same
 
   /// Reads and validates a profile.
   /// @throws InputError file missing or not TOML; key missing, unknown, of the wrong type, not finite or out of range

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string_view>
 
 #include "baton/math/pose.hpp"
 
@@ -18,6 +19,10 @@ inline constexpr std::array<Side, 2> kSides{Side::left, Side::right};
 /// +1 on the left (+y), −1 on the right.
 [[nodiscard]] constexpr double sign_of(Side side) {
   return side == Side::left ? 1.0 : -1.0;
+}
+
+[[nodiscard]] constexpr std::string_view to_string(Side side) {
+  return side == Side::left ? "left" : "right";
 }
 
 /// A pair of values, left and right.

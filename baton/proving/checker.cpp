@@ -233,8 +233,7 @@ void Checker::judge_soles(const Tick& tick) {
       const Vec3 corner(v.x(), v.y(), 0.0);
       moved = std::max(moved, (now * corner - *stood_[side] * corner).norm());
     }
-    if (!(moved <= place_tolerance_))
-      report(Kind::slip, tick.t, moved, place_tolerance_, side == Side::left ? "left" : "right");
+    if (!(moved <= place_tolerance_)) report(Kind::slip, tick.t, moved, place_tolerance_, std::string(to_string(side)));
   }
 }
 
@@ -264,7 +263,7 @@ void Checker::judge_ground(const Tick& tick, Side side) {
       }
     }
   }
-  if (worst > 0.0) report(Kind::sole_ground, tick.t, worst, allowed, side == Side::left ? "left" : "right");
+  if (worst > 0.0) report(Kind::sole_ground, tick.t, worst, allowed, std::string(to_string(side)));
 }
 
 void Checker::judge_forces(const Tick& before, const Tick& tick, const Tick& after) {

@@ -4,23 +4,18 @@
 #include <deque>
 #include <vector>
 
+#include "baton/model/hardware_errors.hpp"
+#include "baton/robot/backlash.hpp"
 #include "baton/robot/servo.hpp"
 
 namespace baton {
-
-/// How the actuators deviate from the profile.
-struct ActuatorErrors {
-  double gain = 1.0;      ///< factor on the commanded motor torque
-  double strength = 1.0;  ///< factor on the stall torque
-  double kp = 1.0;        ///< factor on the servos' stiffness
-  double delay = 0.0;     ///< between sending a joint target and its arrival at the servos [s]
-};
 
 class Actuators {
  public:
   /// `robot` must outlive this object.
   /// @param period of the joint targets [s]
-  Actuators(const RobotModel& robot, const ActuatorErrors& errors, double period);
+  /// @param timestep of the servos [s]
+  Actuators(const RobotModel& robot, const ActuatorErrors& errors, double period, double timestep);
 
   /// Sends a target to the servos.
   /// @param now [s]
@@ -29,10 +24,19 @@ class Actuators {
   /// Makes the newest target that has arrived by `now` [s] active. `now` must not decrease.
   void advance(double now);
 
-  /// Motor torque at the time of the last `advance` [N·m]. Requires a target.
+  /// Angle [rad] and speed [rad/s] of the motor beyond those of the link.
+  [[nodiscard]] const Backlash& backlash(std::size_t joint) const { return backlash_[joint]; }
+
+  /// Torques of one joint.
+  struct Torque {
+    double motor = 0.0;  ///< [N·m]
+    double link = 0.0;   ///< what arrives at the link [N·m]
+  };
+
+  /// Torques for the time step from the last `advance` on. Requires a target. Call it once per time step and joint.
   /// @param q encoder angle [rad]
-  /// @param dq speed [rad/s]
-  [[nodiscard]] double torque(std::size_t joint, double q, double dq) const;
+  /// @param dq true speed of the motor [rad/s]
+  [[nodiscard]] Torque torque(std::size_t joint, double q, double dq);
 
  private:
   /// A target in transit, or active.
@@ -41,12 +45,23 @@ class Actuators {
     JointTarget target;
   };
 
+  /// A servo's own differencing, and the lag of its motor.
+  struct Servo {
+    double q = 0.0;       ///< last encoder angle [rad]
+    double dq = 0.0;      ///< filtered speed [rad/s]
+    double torque = 0.0;  ///< of the motor [N·m]
+    bool runs = false;
+  };
+
   const RobotModel* robot_;
   ActuatorErrors errors_;
   double period_;
+  double timestep_;
   std::vector<Joint> joints_;  ///< with the actual gains and motors
-  std::deque<Sent> sent_;      ///< the front one is active
-  double to_end_ = 0.0;        ///< time left in the tick of the active target [s]
+  std::vector<Servo> servos_;
+  std::vector<Backlash> backlash_;
+  std::deque<Sent> sent_;  ///< the front one is active
+  double to_end_ = 0.0;    ///< time left in the tick of the active target [s]
 };
 
 }  // namespace baton

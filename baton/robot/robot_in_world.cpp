@@ -6,6 +6,10 @@
 
 namespace baton {
 
+std::string flexible(const std::string& joint) {
+  return joint + "_flexible";
+}
+
 RobotInWorld RobotInWorld::find(const RobotModel& robot, const mjModel& m, const std::string& owner) {
   RobotInWorld found;
   const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);
@@ -22,6 +26,10 @@ RobotInWorld RobotInWorld::find(const RobotModel& robot, const mjModel& m, const
       throw InputError(fmt::format("{}: joint '{}' has no torque motor", owner, joint.name));
     }
     found.joints.push_back({m.jnt_qposadr[id], m.jnt_dofadr[id], motor});
+    const int spring = mj_name2id(&m, mjOBJ_JOINT, flexible(joint.name).c_str());
+    if (spring < 0) continue;
+    found.joints.back().flexible_qpos = m.jnt_qposadr[spring];
+    found.joints.back().flexible_dof = m.jnt_dofadr[spring];
   }
   found.geoms.resize(static_cast<std::size_t>(m.ngeom));
   for (int g = 0; g < m.ngeom; ++g) {
@@ -43,8 +51,12 @@ void RobotInWorld::read(const mjData& data, VecX& q, VecX& dq) const {
   for (int i = 0; i < 6; ++i)
     dq[i] = data.qvel[root_dof + i];
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    q[7 + static_cast<Eigen::Index>(j)] = data.qpos[joints[j].qpos];
-    dq[6 + static_cast<Eigen::Index>(j)] = data.qvel[joints[j].dof];
+    const auto i = static_cast<Eigen::Index>(j);
+    q[7 + i] = data.qpos[joints[j].qpos];
+    dq[6 + i] = data.qvel[joints[j].dof];
+    if (joints[j].flexible_qpos < 0) continue;
+    q[7 + i] += data.qpos[joints[j].flexible_qpos];
+    dq[6 + i] += data.qvel[joints[j].flexible_dof];
   }
 }
 

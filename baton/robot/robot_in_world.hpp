@@ -8,12 +8,17 @@
 
 namespace baton {
 
+/// Name of the spring by which a joint of the robot yields under load, if a model has it: a joint in line with it.
+[[nodiscard]] std::string flexible(const std::string& joint);
+
 struct RobotInWorld {
   /// Indices of one robot joint.
   struct Address {
     int qpos = 0;
     int dof = 0;
-    int motor = 0;  ///< actuator index
+    int motor = 0;           ///< actuator index
+    int flexible_qpos = -1;  ///< of the spring in line with it (`flexible`); −1: none
+    int flexible_dof = -1;
   };
   /// What one geom of the model belongs to.
   struct Geom {
@@ -32,6 +37,7 @@ struct RobotInWorld {
   [[nodiscard]] static RobotInWorld find(const RobotModel& robot, const mjModel& model, const std::string& owner);
 
   /// Reads configuration q (nq) and velocity dq (nv), ordered as in the robot's own model; both must have their size.
+  /// A joint's angle includes that of its spring.
   void read(const mjData& data, VecX& q, VecX& dq) const;
   /// Sets the robot's configuration (nq).
   void write(const VecX& q, mjData& data) const;

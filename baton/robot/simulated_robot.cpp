@@ -26,11 +26,11 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
       period_(period),
       parameters_(parameters),
       start_(start),
-      text_(with_ground(world.compose(robot, parameters.timestep), parameters.plant, name_of(robot.mj(), mjOBJ_BODY, 1),
-                        0.5 * (start.sole.left.p + start.sole.right.p))),
+      text_(with_plant(world.compose(robot, parameters.timestep), parameters.plant, robot,
+                       0.5 * (start.sole.left.p + start.sole.right.p))),
       kinematics_(robot),
-      actuators_(robot, parameters.plant.actuators, period),
-      sensors_(parameters.plant.sensors, robot.nv() - 6, period, parameters.plant.seed) {
+      actuators_(robot, parameters.plant.actuators, period, parameters.timestep),
+      sensors_(parameters.plant.sensors, robot.nv() - 6, period, robot.mass() * kGravity, parameters.plant.seed) {
   const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
   const double steps = period_ / parameters_.timestep;
   if (!(steps > 0.5) || std::abs(steps - std::round(steps)) > 1e-6) {
@@ -43,7 +43,6 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   mjModel& m = *model_;
   m.opt.disableflags |= mjDSBL_SENSOR | mjDSBL_ISLAND;  // sensors are computed below; one robot is one island
   in_world_ = RobotInWorld::find(robot, m, owner);
-  perturb();
   data_ = DataPtr(mj_makeData(&m));
   mj_setConst(&m, data_.get());
   if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
@@ -53,10 +52,11 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
 void SimulatedRobot::reset() {
   mj_resetData(model_.get(), data_.get());
   const Plant& plant = parameters_.plant;
-  actuators_ = Actuators(*robot_, plant.actuators, period_);
-  sensors_ = Sensors(plant.sensors, robot_->nv() - 6, period_, plant.seed);
+  actuators_ = Actuators(*robot_, plant.actuators, period_, parameters_.timestep);
+  sensors_ = Sensors(plant.sensors, robot_->nv() - 6, period_, robot_->mass() * kGravity, plant.seed);
   truth_ = {};
   imu_velocity_.setZero();
+  measured_at_ = 0.0;
   // On tilted ground the robot starts tilted.
   const Vec3 at = 0.5 * (start_.sole.left.p + start_.sole.right.p);
   const Mat3 tilt = rotation_exp(plant.tilt);
@@ -67,44 +67,55 @@ void SimulatedRobot::reset() {
   truth_.q.segment<4>(3) << attitude.w(), attitude.x(), attitude.y(), attitude.z();
   truth_.dq = VecX::Zero(robot_->nv());
   in_world_.write(truth_.q, *data_);
-  reading_.torque = VecX::Zero(robot_->nv() - 6);
+  torque_ = VecX::Zero(robot_->nv() - 6);
+  torques_ = 0;
   mj_forward(model_.get(), data_.get());
   observe();
+  readings_.clear();
+  due_.clear();
+  tick_ = 0.0;
+  measure();
+  // A measurement is scheduled before it is due.
+  const long ahead = std::lround(std::ceil((plant.sensors.delay + plant.sensors.jitter) / period_));
+  for (long tick = 0; tick < ahead; ++tick)
+    schedule();
 }
 
-void SimulatedRobot::perturb() {
-  const Plant& plant = parameters_.plant;
-  mjModel& m = *model_;
-  for (int g = 0; g < m.ngeom; ++g) {
-    if (!in_world_.geom(g).sole) continue;
-    if (plant.friction) m.geom_friction[3 * g] = *plant.friction;
-    if (plant.solref) m.geom_solref[2 * g] = *plant.solref;
-  }
-  for (int b = 0; b < m.nbody; ++b) {
-    m.body_mass[b] *= plant.mass;
-    for (int axis = 0; axis < 3; ++axis)
-      m.body_inertia[3 * b + axis] *= plant.mass;
-  }
-  for (int axis = 0; axis < 3; ++axis)
-    m.body_ipos[3 * in_world_.root_body + axis] += plant.com_offset[axis];
+void SimulatedRobot::schedule() {
+  tick_ += period_;
+  const double latest = due_.empty() ? measured_at_ : due_.back();
+  due_.push_back(std::max(tick_ - sensors_.age(), latest));
 }
 
 void SimulatedRobot::write(const JointTarget& target) {
   const int steps = static_cast<int>(std::lround(period_ / parameters_.timestep));
   actuators_.send(target, data_->time);
-  reading_.torque.setZero();
+  schedule();
   for (int step = 0; step < steps; ++step) {
     actuators_.advance(data_->time);
     for (std::size_t j = 0; j < in_world_.joints.size(); ++j) {
       const RobotInWorld::Address& joint = in_world_.joints[j];
-      const double torque = actuators_.torque(j, sensors_.encoder(data_->qpos[joint.qpos]), data_->qvel[joint.dof]);
-      data_->ctrl[joint.motor] = torque;
-      reading_.torque[static_cast<Eigen::Index>(j)] += torque / steps;
+      const Backlash& beyond = actuators_.backlash(j);
+      const Actuators::Torque torque = actuators_.torque(
+          j, sensors_.encoder(j, data_->qpos[joint.qpos] + beyond.angle()), data_->qvel[joint.dof] + beyond.speed());
+      data_->ctrl[joint.motor] = torque.link;
+      torque_[static_cast<Eigen::Index>(j)] += torque.motor;
     }
+    ++torques_;
     Eigen::Map<Vec3>(data_->xfrc_applied + 6 * in_world_.root_body) = parameters_.plant.force(data_->time);
     mj_step(model_.get(), data_.get());
+    while (!due_.empty() && due_.front() < data_->time + 0.5 * parameters_.timestep) {
+      if (due_.front() > measured_at_ + 0.5 * parameters_.timestep) {
+        observe();
+        measure();
+      } else {
+        readings_.push_back(readings_.back());
+      }
+      due_.pop_front();
+    }
   }
-  observe();
+  if (truth_.t != data_->time) observe();
+  readings_.pop_front();
   check_fall();
 }
 
@@ -134,7 +145,7 @@ void SimulatedRobot::observe() {
   }
   for (const Side side : kSides)
     truth_.touch[side] = truth_.sole[side].force.z() > kTouch * robot_->mass() * kGravity;
-  measure();
+  kinematics_.set(truth_.q);
 }
 
 void SimulatedRobot::check_fall() {
@@ -162,7 +173,7 @@ void SimulatedRobot::check_fall() {
       }
     }
   }
-  const double tilt = tilt_of(kinematics_.trunk().R);  // set by `measure`
+  const double tilt = tilt_of(kinematics_.trunk().R);  // set by `observe`
   if (!(tilt <= kFallenTilt)) return fall(fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI));
   const double ground = std::min(kinematics_.sole(Side::left).p.z(), kinematics_.sole(Side::right).p.z());
   const double height = kinematics_.com().z() - ground;
@@ -179,29 +190,41 @@ void SimulatedRobot::push(const Vec3& impulse) {
 
 void SimulatedRobot::measure() {
   const int n = robot_->nv() - 6;
-  reading_.t = truth_.t;
-  reading_.q = truth_.q.tail(n);
-  reading_.dq = truth_.dq.tail(n);
-  kinematics_.set(truth_.q);
-  reading_.root = RootMeasurement{kinematics_.body(1), truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
-  reading_.imu = {};
+  Measurement m;
+  m.t = truth_.t;
+  m.q.resize(n);
+  m.dq.resize(n);
+  for (int j = 0; j < n; ++j) {
+    const RobotInWorld::Address& joint = in_world_.joints[static_cast<std::size_t>(j)];
+    const Backlash& beyond = actuators_.backlash(static_cast<std::size_t>(j));
+    m.q[j] = data_->qpos[joint.qpos] + beyond.angle();
+    m.dq[j] = data_->qvel[joint.dof] + beyond.speed();
+  }
+  m.torque = torques_ > 0 ? VecX(torque_ / torques_) : torque_;
+  m.root = RootMeasurement{kinematics_.body(1), truth_.dq.head<3>(), truth_.dq.segment<3>(3)};
   if (in_world_.imu_site >= 0) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> attitude(data_->site_xmat +
                                                                                   9 * in_world_.imu_site);
     std::array<mjtNum, 6> velocity{};
     mj_objectVelocity(model_.get(), data_.get(), mjOBJ_SITE, in_world_.imu_site, velocity.data(), 1);
-    // The accelerometer integrates: its reading is the mean over the tick.
+    // The accelerometer integrates: its reading is the mean since the last measurement.
     const Vec3 moves = attitude * Vec3(velocity[3], velocity[4], velocity[5]);
-    const Vec3 acceleration = Vec3(0, 0, kGravity) + (moves - imu_velocity_) / period_;
-    reading_.imu = {attitude, {velocity[0], velocity[1], velocity[2]}, attitude.transpose() * acceleration};
+    const double elapsed = truth_.t - measured_at_;
+    Vec3 acceleration(0, 0, kGravity);
+    if (elapsed > 0.0) acceleration += (moves - imu_velocity_) / elapsed;
+    m.imu = {attitude, {velocity[0], velocity[1], velocity[2]}, attitude.transpose() * acceleration};
     imu_velocity_ = moves;
   }
   for (const Side side : kSides) {
     const Pose to_sole = kinematics_.sole(side).inverse();
     const Wrench& sole = truth_.sole[side];
-    reading_.sole[side] = {to_sole.R * sole.force, to_sole.R * sole.moment_about(kinematics_.sole(side).p)};
+    m.sole[side] = {to_sole.R * sole.force, to_sole.R * sole.moment_about(kinematics_.sole(side).p)};
   }
-  sensors_.disturb(reading_);
+  measured_at_ = truth_.t;
+  torque_.setZero();
+  torques_ = 0;
+  sensors_.disturb(m);
+  readings_.push_back(std::move(m));
 }
 
 }  // namespace baton

@@ -1,10 +1,14 @@
 /// A robot in MuJoCo physics: servos, motors with torque-speed limits, contact, sensors.
 #pragma once
 
+#include <deque>
+
 #include "baton/model/world.hpp"
+#include "baton/robot/actuators.hpp"
 #include "baton/robot/plant.hpp"
 #include "baton/robot/robot.hpp"
 #include "baton/robot/robot_in_world.hpp"
+#include "baton/robot/sensors.hpp"
 
 namespace baton {
 
@@ -22,7 +26,7 @@ class SimulatedRobot : public Robot {
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
                  Parameters parameters);
 
-  [[nodiscard]] Measurement read() override { return reading_; }
+  [[nodiscard]] Measurement read() override { return readings_.front(); }
   void write(const JointTarget& target) override;
   void reset() override;
   [[nodiscard]] const Truth* truth() const override { return &truth_; }
@@ -35,10 +39,12 @@ class SimulatedRobot : public Robot {
   void push(const Vec3& impulse);
 
  private:
-  /// Applies the plant's friction, contact time constant and masses to the model.
-  void perturb();
+  /// Sets the truth, and the kinematics to it.
   void observe();
+  /// Takes a measurement that will be read later, or now.
   void measure();
+  /// Draws when the measurement is taken that is read at the end of the next tick.
+  void schedule();
   void check_fall();
 
   const RobotModel* robot_;
@@ -53,8 +59,13 @@ class SimulatedRobot : public Robot {
   Truth truth_;
   Actuators actuators_;
   Sensors sensors_;
-  Vec3 imu_velocity_ = Vec3::Zero();  ///< one tick ago [m/s]
-  Measurement reading_;               ///< current; torques are means over the last tick
+  Vec3 imu_velocity_ = Vec3::Zero();  ///< at the last measurement [m/s]
+  VecX torque_;                       ///< sum of the motor torques since the last measurement [N·m]
+  int torques_ = 0;                   ///< number of them
+  double measured_at_ = 0.0;          ///< time of the last measurement [s]
+  double tick_ = 0.0;                 ///< end of the last tick scheduled [s]
+  std::deque<double> due_;            ///< times of measurements to be taken, ascending [s]
+  std::deque<Measurement> readings_;  ///< the front one is read
 };
 
 }  // namespace baton

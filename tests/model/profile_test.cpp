@@ -198,6 +198,38 @@ TEST(Profile, SaysWhichKeyItDoesNotKnow) {
   }
 }
 
+TEST(Profile, MayStateTheErrorsOfSensorsAndActuators) {
+  const std::string stem = text_of(kMighty / "profile.toml");
+  const auto with = [&](const std::string& tables) {
+    toml::table table = toml::parse(stem + tables);
+    table.insert_or_assign("model", (kMighty / "mighty.xml").string());
+    return write(table);
+  };
+  const Profile moderate = Profile::load(with(""));
+  EXPECT_EQ(moderate.sensors.delay, 0.005);
+  EXPECT_NEAR(moderate.sensors.imu_wander, 0.5 * M_PI / 180.0, 1e-12);
+  EXPECT_TRUE(moderate.sensors.differenced_speeds);
+  EXPECT_EQ(moderate.actuators.friction, 0.05);
+  EXPECT_TRUE(moderate.actuators.held_targets);
+  EXPECT_EQ(moderate.actuators.gain, 1.0);
+  const Profile own = Profile::load(with(R"(
+[sensors]
+delay = 0.012
+differenced_speeds = false
+[actuators]
+backlash = 0
+)"));
+  EXPECT_EQ(own.sensors.delay, 0.012);
+  EXPECT_FALSE(own.sensors.differenced_speeds);
+  EXPECT_EQ(own.sensors.jitter, moderate.sensors.jitter);
+  EXPECT_EQ(own.actuators.backlash, 0.0);
+  EXPECT_EQ(own.actuators.lag, moderate.actuators.lag);
+  EXPECT_THAT(complaint(with("[sensors]\ndelay = -1\n")), AllOf(HasSubstr("sensors.delay = -1"), HasSubstr("0.1")));
+  EXPECT_THAT(complaint(with("[actuators]\nheld_targets = 1\n")),
+              AllOf(HasSubstr("actuators.held_targets = 1"), HasSubstr("true or false")));
+  EXPECT_THAT(complaint(with("[sensors]\nimu_wobble = 1\n")), HasSubstr("sensors.imu_wobble"));
+}
+
 TEST(Profile, RefusesWhatDoesNotGoTogether) {
   const auto expect = [](const std::string& path, const auto& value, const std::string& key) {
     EXPECT_THAT(complaint_with(path, value), AllOf(HasSubstr("baton_profile.toml"), HasSubstr(key))) << path;

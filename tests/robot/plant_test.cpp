@@ -8,6 +8,7 @@
 #include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
 #include "baton/proving/scenario.hpp"
+#include "baton/robot/backlash.hpp"
 #include "baton/robot/simulated_robot.hpp"
 #include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
@@ -134,7 +135,7 @@ class PlantTest : public testing::TestWithParam<std::string> {
     return tiles;
   }
   [[nodiscard]] std::string tiled(const Plant& plant, const Vec3& at) const {
-    return with_ground(world_.compose(robot_, kStep), plant, root_, at);
+    return with_plant(world_.compose(robot_, kStep), plant, robot_, at);
   }
 
   const RobotModel& robot_ = test::robot(GetParam());
@@ -144,7 +145,6 @@ class PlantTest : public testing::TestWithParam<std::string> {
   const double weight_ = robot_.mass() * kGravity;
   const int n_ = robot_.nv() - 6;
   const Posture home_ = stand(robot_, Pose{}, size_);
-  const std::string root_ = name_of(robot_.mj(), mjOBJ_BODY, 1);
   Kinematics kinematics_{robot_};
   Random random_{17};
 };
@@ -590,7 +590,7 @@ TEST_P(PlantTest, TilesAreHigherOrLowerWithinTheirBound) {
   }
   // None are asked for: the text is the same.
   const std::string text = world_.compose(robot_, kStep);
-  EXPECT_EQ(with_ground(text, {}, root_, Vec3(1, 2, 0)), text);
+  EXPECT_EQ(with_plant(text, {}, robot_, Vec3(1, 2, 0)), text);
 }
 
 TEST_P(PlantTest, TilesUnderTheStartAreLevel) {
@@ -626,6 +626,323 @@ TEST_P(PlantTest, OnlyAPlaneCanBeTiled) {
     EXPECT_THAT(error.what(), HasSubstr("one plane"));
   }
   EXPECT_NO_THROW(SimulatedRobot(robot_, world_, home_, period_, with(plant)));
+}
+
+TEST_P(PlantTest, MeasurementsAreAsOldAsTheyAre) {
+  for (const double delay : {0.0, 0.003, 0.005, 0.012, 0.02}) {
+    for (const double jitter : {0.0, 0.002, 0.011}) {
+      Plant plant;
+      plant.sensors.delay = delay;
+      plant.sensors.jitter = jitter;
+      plant.seed = 3;
+      SimulatedRobot late = make(plant);
+      SimulatedRobot fine(robot_, world_, home_, kStep, {});  // read after each step of physics
+      std::vector<Measurement> at{fine.read()};               // by that step
+      const auto steps = static_cast<int>(std::lround(period_ / kStep));
+      double oldest = 0.0;
+      double newest = 1.0;
+      double before = 0.0;
+      for (int tick = 0; tick < 60; ++tick) {
+        const Measurement m = late.read();
+        ASSERT_GE(m.t, before);
+        before = m.t;
+        const double now = tick * period_;
+        ASSERT_EQ(late.truth()->t, at.back().t) << "the truth is never late";
+        if (now > delay + jitter) {
+          oldest = std::max(oldest, now - m.t);
+          newest = std::min(newest, now - m.t);
+        }
+        const Measurement& then = at[static_cast<std::size_t>(std::lround(m.t / kStep))];
+        ASSERT_EQ(m.q, then.q) << tick;
+        ASSERT_EQ(m.imu.attitude, then.imu.attitude) << tick;
+        ASSERT_LT((m.sole.left.force - then.sole.left.force).norm(), 1e-9);
+        late.write(hold());
+        for (int step = 0; step < steps; ++step) {
+          fine.write(hold());
+          at.push_back(fine.read());
+        }
+      }
+      EXPECT_GE(newest, delay - 0.51 * kStep);
+      EXPECT_LE(oldest, delay + jitter + 0.51 * kStep);
+      if (jitter > 2.0 * kStep) {
+        EXPECT_GT(oldest, newest + 0.3 * jitter);
+      } else if (jitter == 0.0) {
+        EXPECT_NEAR(oldest, newest, 1e-9);
+      }
+      late.reset();
+      EXPECT_EQ(late.read().t, 0.0);
+      EXPECT_EQ(late.read().q, at.front().q);
+    }
+  }
+}
+
+TEST_P(PlantTest, EncodersHaveZeroErrorsAndSteps) {
+  Plant plant;
+  plant.sensors.encoder_offset = 0.02;
+  plant.sensors.encoder_step = 0.001;
+  plant.sensors.differenced_speeds = true;
+  Statistics offsets;
+  for (plant.seed = 0; plant.seed < 10; ++plant.seed) {
+    SimulatedRobot body = make(plant);
+    const VecX first = body.read().q - body.truth()->q.tail(n_);
+    VecX before = body.read().q;
+    EXPECT_EQ(body.read().dq, VecX::Zero(n_));
+    for (int tick = 0; tick < 20; ++tick) {
+      body.write(hold());
+      const Measurement m = body.read();
+      for (int j = 0; j < n_; ++j) {
+        const double steps = m.q[j] / plant.sensors.encoder_step;
+        ASSERT_NEAR(steps, std::round(steps), 1e-6);
+        ASSERT_NEAR(m.q[j] - body.truth()->q[7 + j], first[j], plant.sensors.encoder_step);
+        ASSERT_NEAR(m.dq[j], (m.q[j] - before[j]) / period_, 1e-9);
+      }
+      before = m.q;
+    }
+    for (const double offset : first) {
+      ASSERT_LT(std::abs(offset), plant.sensors.encoder_offset + plant.sensors.encoder_step);
+      offsets.add(offset);
+    }
+  }
+  EXPECT_NEAR(offsets.deviation(), plant.sensors.encoder_offset / std::sqrt(3.0), 0.15 * plant.sensors.encoder_offset);
+}
+
+TEST_P(PlantTest, TheImuErrsAsItShall) {
+  SimulatedRobot straight = make({});
+  Plant plant;
+  plant.sensors.imu_mount = 0.02;
+  SimulatedRobot askew = make(plant);
+  plant = {};
+  plant.sensors.yaw_drift = 0.05;
+  SimulatedRobot drifts = make(plant);
+  plant = {};
+  plant.sensors.gyro_noise = 0.03;
+  plant.sensors.accelerometer_noise = 0.2;
+  SimulatedRobot noisy = make(plant);
+  Statistics gyro;
+  Statistics accelerometer;
+  for (int tick = 0; tick < 200; ++tick) {
+    const Measurement::Imu exact = straight.read().imu;
+    // A sensor that is mounted askew turns all of its readings.
+    const Measurement::Imu tilted = askew.read().imu;
+    const Mat3 mount = exact.attitude.transpose() * tilted.attitude;
+    EXPECT_NEAR(rotation_error(mount, Mat3::Identity()).norm(), 0.02, 1e-9);
+    EXPECT_NEAR(rotation_error(mount, Mat3::Identity()).z(), 0.0, 1e-9);
+    EXPECT_LT((mount * tilted.rate - exact.rate).norm(), 1e-9);
+    EXPECT_LT((mount * tilted.acceleration - exact.acceleration).norm(), 1e-9);
+    // Yaw drifts, and the gyro agrees.
+    const Measurement drifting = drifts.read();
+    const Vec3 turned = rotation_error(drifting.imu.attitude, exact.attitude);
+    EXPECT_LT(turned.head<2>().norm(), 1e-6);
+    EXPECT_NEAR(std::abs(turned.z()), 0.05 * drifting.t, 1e-6);
+    EXPECT_NEAR((exact.attitude * (drifting.imu.rate - exact.rate)).z() * drifting.t, turned.z(), 1e-6);
+    const Measurement::Imu noise = noisy.read().imu;
+    EXPECT_EQ(noise.attitude, exact.attitude);
+    for (int axis = 0; axis < 3; ++axis) {
+      gyro.add(noise.rate[axis] - exact.rate[axis]);
+      accelerometer.add(noise.acceleration[axis] - exact.acceleration[axis]);
+    }
+    for (SimulatedRobot* body : {&straight, &askew, &drifts, &noisy})
+      body->write(hold());
+  }
+  EXPECT_NEAR(gyro.deviation(), 0.03, 0.003);
+  EXPECT_NEAR(accelerometer.deviation(), 0.2, 0.02);
+}
+
+TEST(Sensors, AttitudesWanderSlowlyAndAsFarAsTheyShall) {
+  constexpr double sigma = 0.03;
+  constexpr double period = 0.005;
+  Statistics all;
+  double fastest = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Sensors sensors({.imu_wander = sigma}, 0, period, 50.0, seed);
+    Vec3 before = Vec3::Zero();
+    for (int tick = 0; tick < 20000; ++tick) {
+      Measurement m;
+      m.t = tick * period;
+      sensors.disturb(m);
+      const Vec3 error = rotation_error(m.imu.attitude, Mat3::Identity());
+      EXPECT_NEAR(error.z(), 0.0, 1e-12);
+      all.add(error.x());
+      all.add(error.y());
+      if (tick > 0) fastest = std::max(fastest, (error - before).norm() / period);
+      before = error;
+    }
+  }
+  EXPECT_NEAR(all.deviation(), sigma, 0.1 * sigma);
+  EXPECT_NEAR(all.mean(), 0.0, 0.1 * sigma);
+  EXPECT_LT(fastest, 2.0 * M_PI / 4.0 * 4.0 * sigma) << "within seconds, not at once";
+}
+
+TEST(Sensors, ForcesHaveZeroAndGainErrors) {
+  Statistics zeros;
+  Statistics gains;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Sensors sensors({.force_gain = 0.04, .force_zero = 0.1}, 0, 0.005, 50.0, seed);
+    Measurement empty;
+    Measurement loaded;
+    for (const Side side : kSides)
+      loaded.sole[side] = {Vec3(1, 2, 30), Vec3(0.1, 0.2, 0.3)};
+    sensors.disturb(empty);
+    sensors.disturb(loaded);
+    for (const Side side : kSides) {
+      const Vec3 zero = empty.sole[side].force;
+      EXPECT_LE(std::abs(zero.z()), 5.0);
+      EXPECT_LE(zero.head<2>().cwiseAbs().maxCoeff(), 0.5);
+      EXPECT_TRUE(empty.sole[side].moment.isZero(0.0));
+      const double gain = (loaded.sole[side].force.z() - zero.z()) / 30.0;
+      EXPECT_NEAR(gain, 1.0, 0.04);
+      EXPECT_NEAR(loaded.sole[side].moment.y(), 0.2 * gain, 1e-12);
+      zeros.add(zero.z());
+      gains.add(gain);
+    }
+  }
+  EXPECT_NEAR(zeros.deviation(), 5.0 / std::sqrt(3.0), 0.3);
+  EXPECT_NEAR(gains.deviation(), 0.04 / std::sqrt(3.0), 0.002);
+}
+
+TEST(Backlash, AMotorCrossesThePlayBeforeItDrives) {
+  constexpr double inertia = 0.01;
+  constexpr double dt = 0.001;
+  for (const double play : {0.001, 0.01, 0.05}) {
+    for (const double torque : {0.1, -0.4, 2.0}) {
+      Backlash backlash(play, inertia);
+      EXPECT_EQ(backlash.angle(), 0.0);
+      for (double way : {play, 2.0 * play}) {  // from the middle, then back from one end to the other
+        const double sign = way == play ? 1.0 : -1.0;
+        double waited = 0.0;
+        while (backlash.transmit(sign * torque, dt) == 0.0) {
+          EXPECT_LE(std::abs(backlash.angle()), play);
+          waited += dt;
+          ASSERT_LT(waited, 1.0);
+        }
+        EXPECT_NEAR(waited, std::sqrt(2.0 * way * inertia / std::abs(torque)), 2.0 * dt);
+        EXPECT_EQ(backlash.angle(), sign * std::copysign(play, torque));
+        EXPECT_EQ(backlash.speed(), 0.0);
+        EXPECT_EQ(backlash.transmit(sign * 0.5 * torque, dt), sign * 0.5 * torque);
+      }
+    }
+  }
+  Backlash none(0.0, inertia);
+  for (const double torque : {1.0, -1.0, 0.0, 0.5})
+    EXPECT_EQ(none.transmit(torque, dt), torque);
+}
+
+TEST_P(PlantTest, EncodersAreOnTheMotorsSideOfThePlay) {
+  Plant plant;
+  plant.actuators.backlash = 0.01;
+  SimulatedRobot body = make(plant);
+  VecX farthest = VecX::Zero(n_);
+  for (int tick = 0; tick < 40; ++tick) {
+    body.write(hold());
+    const VecX beyond = body.read().q - body.truth()->q.tail(n_);
+    ASSERT_LE(beyond.cwiseAbs().maxCoeff(), 0.01 + 1e-12);
+    farthest = farthest.cwiseMax(beyond.cwiseAbs());
+  }
+  EXPECT_GT((farthest.array() > 0.01 - 1e-12).count(), n_ / 3) << "gravity takes it up in many joints";
+}
+
+TEST_P(PlantTest, ServosErrAsTheyShall) {
+  const auto torques = [&](const ActuatorErrors& errors, const JointTarget& target, int steps) {
+    Plant plant;
+    plant.actuators = errors;
+    SimulatedRobot body(robot_, world_, home_, kStep, with(plant));
+    std::vector<VecX> way;
+    for (int k = 0; k < steps; ++k) {
+      body.write(k == 0 ? hold() : target);
+      way.push_back(body.read().torque);
+    }
+    return way;
+  };
+  JointTarget jump = hold();
+  for (int j = 0; j < n_; ++j)
+    jump.q[j] += 1e-4 * stall(j) / robot_.joints()[static_cast<std::size_t>(j)].gains.kp;
+  // The torque follows with its time constant.
+  const std::vector<VecX> prompt = torques({}, jump, 2);
+  const std::vector<VecX> lagging = torques({.lag = 0.004}, jump, 2);
+  const double share = 1.0 - std::exp(-kStep / 0.004);
+  ASSERT_LT((lagging[0] - prompt[0]).norm(), 1e-9);
+  EXPECT_LT((lagging[1] - lagging[0] - share * (prompt[1] - prompt[0])).norm(), 1e-3 * (prompt[1] - prompt[0]).norm());
+  // A held target is at the end of its tick from the beginning.
+  JointTarget moving = hold();
+  moving.dq.setConstant(0.1);
+  const auto first = [&](bool held) {
+    Plant plant;
+    plant.actuators.held_targets = held;
+    SimulatedRobot body(robot_, world_, home_, 0.005, with(plant));
+    body.write(moving);
+    return body.read().torque;
+  };
+  const VecX difference = first(true) - first(false);
+  EXPECT_GT(difference.minCoeff(), 0.0);
+}
+
+TEST_P(PlantTest, DryFrictionHoldsAJointAndPayloadsAndMatsAreInTheModel) {
+  Plant plant;
+  plant.actuators.friction = 0.07;
+  plant.payload = {0.04 * robot_.mass(), 0.0};
+  plant.mass = 1.1;
+  plant.com_offset = Vec3(0.01, 0.0, 0.0) * size_;
+  const SimulatedRobot body = make(plant);
+  const mjModel& m = body.model();
+  // The very model that is stepped can be written and read.
+  const ModelPtr read = compile_text(body.model_text(), "saved");
+  ASSERT_EQ(read->nbody, m.nbody);
+  for (int b = 0; b < m.nbody; ++b) {
+    EXPECT_EQ(read->body_mass[b], m.body_mass[b]);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(read->body_inertia[3 * b + axis], m.body_inertia[3 * b + axis]);
+      EXPECT_EQ(read->body_ipos[3 * b + axis], m.body_ipos[3 * b + axis]);
+    }
+  }
+  const int root = find_id(m, mjOBJ_BODY, name_of(robot_.mj(), mjOBJ_BODY, 1), "test");
+  EXPECT_NEAR(m.body_subtreemass[root], 1.1 * 1.04 * robot_.mass(), 1e-4 * robot_.mass());
+  EXPECT_NEAR(m.body_ipos[3 * root], robot_.mj().body_ipos[3] + 0.01 * size_, 1e-5 * size_);
+  for (int j = 0; j < n_; ++j) {
+    const int dof = m.jnt_dofadr[find_id(m, mjOBJ_JOINT, name_of_joint(j), "test")];
+    EXPECT_NEAR(m.dof_frictionloss[dof], 0.07 * stall(j), 1e-4 * stall(j));
+  }
+}
+
+TEST_P(PlantTest, AStandingRobotSinksIntoAMatAsDeepAsItShall) {
+  const auto height = [&](const Plant& plant) {
+    Simulation simulation(robot_, world_, Simulation::On::sim, {.physics = with(plant)});
+    Session& session = simulation.session();
+    while (session.t() < 2.0)
+      session.step({});
+    EXPECT_FALSE(session.fallen());
+    kinematics_.set(session.truth()->q);
+    return 0.5 * (kinematics_.sole(Side::left).p.z() + kinematics_.sole(Side::right).p.z());
+  };
+  const double firm = height({});
+  for (const double depth : {0.005, 0.012}) {
+    Plant plant;
+    plant.mat = depth * size_;
+    EXPECT_NEAR(firm - height(plant), plant.mat, 0.3 * plant.mat);
+  }
+}
+
+TEST_P(PlantTest, ACompliantHipYieldsByItsLoad) {
+  Plant plant;
+  plant.actuators.hip_compliance = 0.1;
+  const SimulatedRobot body = make(plant);
+  const mjModel& m = body.model();
+  ASSERT_EQ(m.nv, make({}).model().nv + 2);
+  SimulatedRobot standing = make(plant);
+  for (int tick = 0; tick * period_ < 0.3; ++tick)
+    standing.write(hold());
+  for (int j = 0; j < n_; ++j) {
+    const int spring = mj_name2id(&m, mjOBJ_JOINT, flexible(name_of_joint(j)).c_str());
+    const double beyond = standing.truth()->q[7 + j] - standing.read().q[j];
+    if (spring < 0) {
+      EXPECT_EQ(beyond, 0.0) << "no other joint yields";
+      continue;
+    }
+    EXPECT_NEAR(beyond, standing.data().qpos[m.jnt_qposadr[spring]], 1e-12);
+    EXPECT_GT(std::abs(beyond), 1e-5);
+    // The load is what the motor gives.
+    const double load = standing.read().torque[j] / (weight_ * size_);
+    EXPECT_NEAR(beyond, -0.1 * load, 0.1 * std::abs(0.1 * load) + 1e-6);
+  }
 }
 
 }  // namespace
