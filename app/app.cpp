@@ -97,9 +97,14 @@ void add_physics(CLI::App& command, PhysicsOptions& physics) {
       ->check(CLI::IsMember({"sensors", "torques", "perfect"}));
   command.add_option("--drive", physics.drive, "Drive of the servos; default: the profile's")
       ->check(CLI::IsMember({"torque", "pd", "stiff"}));
+  command
+      .add_option("--plant", physics.plant,
+                  "Simulated robot: model (exact, the default) or real (with the profile's errors of sensors and "
+                  "actuators, drawn by --seed)")
+      ->check(CLI::IsMember({"model", "real"}));
   command.add_option("--scenario", physics.scenario,
-                     "Physics that deviates from the model, drawn by --seed (list: docs/balance.md)");
-  command.add_option("--times", physics.times, "Factor on the scenario's deviation from the model")
+                     "Disturbances on top of the plant, drawn by --seed (list: docs/balance.md)");
+  command.add_option("--times", physics.times, "How many times as large the scenario's disturbances are")
       ->capture_default_str()
       ->transform(number(0.0, 100.0));
 }
@@ -127,7 +132,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   add_answers(command, o.answers);
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")
       ->transform(above_zero(kLongestRun));
-  command.add_option("--seed", o.seed, "Seed of scenario and answer faults; written to the report")
+  command.add_option("--seed", o.seed, "Seed of plant, scenario and answer faults; written to the report")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_flag("--headless", o.headless, "No page");
@@ -152,7 +157,7 @@ void add_soak(CLI::App& command, SoakOptions& o) {
       ->transform(whole(1, kAnyWhole));
   command.add_option("--hours", o.hours, "Run for this many hours of simulated time")
       ->transform(above_zero(kLongestSoak));
-  command.add_option("--seed", o.seed, "Seed of sticks, scenarios and answer faults")
+  command.add_option("--seed", o.seed, "Seed of sticks, plants, scenarios and answer faults")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_option("--robot", o.robot, "Robot")->capture_default_str();
@@ -163,6 +168,10 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   command.add_option("--episode", o.episode, "Simulated seconds per episode; default: 120, or the scenario's")
       ->transform(number(0.1, 36000.0));
   command.add_flag("--resume", o.resume, "Continue the run of the report");
+  command.add_flag("--break", o.breaking,
+                   "With --scenario: find how many times as large its disturbances may be until one of --seeds "
+                   "episodes ends in a fall (default: 20 of 30 s)");
+  command.add_option("--plot", o.plot, "With --break: draw the breaking points to this .svg file");
   command.add_option("--report", o.report, "Write the result to this .json file; required without --scenario");
 }
 

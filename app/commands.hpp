@@ -21,8 +21,9 @@ struct ModeOptions {
 struct PhysicsOptions {
   std::string state = "sensors";
   std::optional<std::string> drive;     ///< overrides the profile's
-  std::optional<std::string> scenario;  ///< a plant that deviates from the model
-  double times = 1.0;                   ///< factor on that deviation
+  std::optional<std::string> plant;     ///< model or real
+  std::optional<std::string> scenario;  ///< what is added to the plant
+  double times = 1.0;                   ///< scales that
 };
 
 /// Fault injection into the planner's answers.
@@ -104,6 +105,8 @@ struct SoakOptions {
   std::optional<long> seeds;      ///< number of seeds of a scenario
   std::optional<double> episode;  ///< simulated time per episode [s]
   bool resume = false;
+  bool breaking = false;                        ///< look for the breaking points of scenarios
+  std::optional<std::filesystem::path> plot;    ///< of breaking points
   std::optional<std::filesystem::path> report;  ///< required unless there is a scenario
 };
 

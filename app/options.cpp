@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "baton/model/error.hpp"
-#include "baton/proving/scenario.hpp"
 
 namespace baton::app {
 
@@ -28,17 +29,30 @@ Simulation::On on_named(const std::string& on) {
   return on == "sim" ? Simulation::On::sim : Simulation::On::ideal;
 }
 
+bool is_real(const PhysicsOptions& options) {
+  return options.plant == "real";
+}
+
+void check_times(const Scenario& scenario, double times) {
+  if (scenario.deviate == nullptr && times != 1.0)
+    throw InputError(fmt::format("--times {}: the scenario {} has no size that could be scaled", times, scenario.name));
+}
+
 SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
                                          long seed) {
-  if (options.scenario && on != "sim")
-    throw InputError(
-        fmt::format("--scenario {} with --on {}: must be --on sim, a scenario needs physics", *options.scenario, on));
+  for (const auto& [option, value] : {std::pair("--scenario", options.scenario), std::pair("--plant", options.plant)}) {
+    if (value && on != "sim")
+      throw InputError(fmt::format("{} {} with --on {}: must be --on sim, it needs physics", option, *value, on));
+  }
   if (!options.scenario && options.times != 1.0)
     throw InputError(fmt::format("--times {} needs --scenario", options.times));
+  const auto drawn = static_cast<std::uint64_t>(seed);
   SimulatedRobot::Parameters parameters;
+  if (is_real(options)) parameters.plant = real_plant(robot, drawn);
   if (options.scenario) {
-    parameters.plant =
-        plant_of(scenario_named(*options.scenario), robot, static_cast<std::uint64_t>(seed), options.times);
+    const Scenario& scenario = scenario_named(*options.scenario);
+    check_times(scenario, options.times);
+    parameters.plant = plant_of(scenario, robot, drawn, options.times, parameters.plant);
   }
   return parameters;
 }

@@ -5,6 +5,7 @@
 
 #include "app/commands.hpp"
 #include "baton/proving/answer_faults.hpp"
+#include "baton/proving/scenario.hpp"
 #include "baton/run/simulation.hpp"
 
 namespace baton::app {
@@ -23,9 +24,12 @@ namespace baton::app {
 /// sim or ideal.
 [[nodiscard]] Simulation::On on_named(const std::string& on);
 
-/// The plant of the options' scenario.
+/// Whether the plant is `real`.
+[[nodiscard]] bool is_real(const PhysicsOptions& options);
+
+/// The options' plant with their scenario.
 /// @param on sim or ideal
-/// @throws InputError a scenario without physics, or no such scenario
+/// @throws InputError a plant or scenario without physics, no such scenario, or `times` for one that has no size
 [[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
                                                        const std::string& on, long seed);
 
@@ -35,5 +39,9 @@ namespace baton::app {
 /// Source of the state estimate.
 /// @throws InputError no such source
 [[nodiscard]] StateSource state_named(const std::string& name);
+
+/// What to scale: a scenario that has a size.
+/// @throws InputError it has none, and `times` is not 1
+void check_times(const Scenario& scenario, double times);
 
 }  // namespace baton::app

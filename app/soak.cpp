@@ -37,6 +37,7 @@ class SoakReport {
                {"on_limit", o.modes.on_limit},
                {"seed", o.seed},
                {"state", o.physics.state},
+               {"plant", o.physics.plant.value_or("model")},
                {"drive", std::string(to_string(robot.profile().drive))},
                {"answer_delay_ms", o.answers.delay_ms},
                {"answer_loss", o.answers.loss},
@@ -127,11 +128,13 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
   std::string physics = fmt::format(" --state {}", o.physics.state);
+  if (o.physics.plant) physics += fmt::format(" --plant {}", *o.physics.plant);
   if (o.physics.drive) physics += fmt::format(" --drive {}", *o.physics.drive);
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
   if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
-  if (o.physics.scenario || faults_of(o.answers).any()) physics += fmt::format(" --seed {}", seed);
+  if (o.physics.scenario || is_real(o.physics) || faults_of(o.answers).any())
+    physics += fmt::format(" --seed {}", seed);
   fmt::print(
       "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
       "--seconds {:.3f}\n",
@@ -143,6 +146,10 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
 int soak(const SoakOptions& o) {
   if (!o.report) throw InputError("soak needs --report: the file for the result");
   if (o.seeds) throw InputError("--seeds goes with --scenario");
+  if (o.breaking || o.plot) throw InputError("--break and --plot go with --scenario");
+  if (o.physics.plant && o.on != "sim")
+    throw InputError(
+        fmt::format("--plant {} with --on {}: must be --on sim, it needs physics", *o.physics.plant, o.on));
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
   const RobotModel robot = load_robot(o.robot, o.physics.drive);
   const World world = World::load(o.world);
@@ -153,6 +160,7 @@ int soak(const SoakOptions& o) {
   trial.seed = static_cast<std::uint64_t>(o.seed);
   trial.seconds = o.episode.value_or(trial.seconds);
   trial.answers = faults_of(o.answers);
+  trial.real = is_real(o.physics);
   const Episodes episodes(robot, world, trial);
   check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
   SoakReport report(o, robot, world);

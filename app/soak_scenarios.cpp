@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "app/app.hpp"
 #include "app/options.hpp"
@@ -11,6 +13,7 @@
 #include "baton/model/error.hpp"
 #include "baton/proving/episode_pool.hpp"
 #include "baton/record/output_file.hpp"
+#include "baton/record/plot.hpp"
 
 namespace baton::app {
 namespace {
@@ -75,83 +78,214 @@ Json Row::json(const Scenario& scenario) const {
           {"tracking", tracking}};
 }
 
+double moved_percent(const Row& row) {
+  return row.tally.given > 0 ? 100.0 * static_cast<double>(row.tally.moved) / static_cast<double>(row.tally.given)
+                             : 0.0;
+}
+
 void print_head() {
-  fmt::print("{:11}  {:>9}  {:>6}  {:>8}  {:>5}  {:>7}  {:>5}  {:>24}  {:>8}\n", "scenario", "survived", "95 %",
+  fmt::print("{:13}  {:>9}  {:>6}  {:>8}  {:>5}  {:>7}  {:>5}  {:>24}  {:>8}\n", "scenario", "survived", "95 %",
              "segments", "moved", "way [m]", "tilt", "rms COM/sole/hand/ZMP [mm]", "estimate");
 }
 
 void print(const Row& row) {
   const Tally& t = row.tally;
   fmt::print(
-      "{:11}  {:>4}/{:<4}  {:5.1f}%  {:8}  {:4.0f}%  {:7.1f}  {:4.1f}\u00b0  {:6.2f} {:5.2f} {:5.2f} {:6.2f}  "
+      "{:13}  {:>4}/{:<4}  {:5.1f}%  {:8}  {:4.0f}%  {:7.1f}  {:4.1f}\u00b0  {:6.2f} {:5.2f} {:5.2f} {:6.2f}  "
       "{:7.2f}%\n",
       row.name, row.tried - row.fell, row.tried, 100.0 * (1.0 - failure_rate_95(row.fell, row.tried)), t.segments,
-      t.given > 0 ? 100.0 * static_cast<double>(t.moved) / static_cast<double>(t.given) : 0.0, t.travel, row.tilt,
-      1e3 * row.root(0), 1e3 * row.root(1), 1e3 * row.root(2), 1e3 * row.root(3), 100.0 * row.estimate);
+      moved_percent(row), t.travel, row.tilt, 1e3 * row.root(0), 1e3 * row.root(1), 1e3 * row.root(2),
+      1e3 * row.root(3), 100.0 * row.estimate);
   std::fflush(stdout);
+}
+
+/// Runs the episodes of a scenario.
+class Rows {
+ public:
+  /// `world` must outlive this object.
+  Rows(const SoakOptions& options, const World& world)
+      : options_(options), world_(&world), terminal_(isatty(STDERR_FILENO) == 1) {
+    options_.on = "sim";
+  }
+
+  /// @param first_fall stop after it; else run all seeds and write a replay of each fall
+  [[nodiscard]] Row run(const Scenario& scenario, double times, bool first_fall) {
+    options_.physics.scenario = std::string(scenario.name);
+    options_.physics.times = times;
+    const RobotModel robot = robot_in(options_.physics, options_.robot);
+    check_distinct({{"--report", options_.report}, {"--plot", options_.plot}},
+                   files_read(options_.robot, robot, *world_));
+    Trial trial;
+    trial.on = Simulation::On::sim;
+    trial.modes = modes_of(options_.modes);
+    trial.state = state_named(options_.physics.state);
+    trial.seed = static_cast<std::uint64_t>(options_.seed);
+    trial.seconds = options_.episode.value_or(scenario.seconds);
+    trial.real = is_real(options_.physics);
+    trial.scenario = &scenario;
+    trial.times = times;
+    trial.answers = faults_of(options_.answers);
+    const Episodes episodes(robot, *world_, trial);
+    const double period = robot.profile().tick.period;
+    Row row;
+    row.name = scenario.name;
+    EpisodePool pool(episodes, 0, options_.jobs);
+    while (row.tried < *options_.seeds && !interrupted && !(first_fall && row.fell > 0)) {
+      const std::optional<EpisodeResult> result = pool.wait(std::chrono::milliseconds(200));
+      if (!result) continue;
+      const long seed = options_.seed + row.tried;
+      const long before = row.fell;
+      row.add(*result, seed, period);
+      if (row.fell > before && options_.report && !first_fall) write_replay(options_, episodes, *result, period, seed);
+      if (terminal_)
+        fmt::print(stderr, "\r\x1b[K{} x {:.3g}: {} of {}, {} fell", row.name, times, row.tried, *options_.seeds,
+                   row.fell);
+    }
+    if (terminal_) fmt::print(stderr, "\r\x1b[K");
+    return row;
+  }
+
+ private:
+  SoakOptions options_;
+  const World* world_;
+  bool terminal_;
+};
+
+/// How large a scenario may be.
+struct Breaking {
+  double holds = 0.0;            ///< largest factor tried at which no episode ended in a fall
+  double moved = 0.0;            ///< commands that moved there [%]
+  std::optional<double> breaks;  ///< smallest factor at which one did; none: not up to `kMost`
+
+  static constexpr double kMost = 64.0;    ///< largest factor tried
+  static constexpr double kFinest = 1.08;  ///< ratio of the two at the end
+  static constexpr double kLeast = 0.02;   ///< their difference, where nothing else holds
+};
+
+/// Doubles the factor until an episode ends in a fall, then bisects.
+/// @param at_one the row of factor 1
+Breaking breaking_point(const Scenario& scenario, const Row& at_one, Rows& rows) {
+  Breaking found;
+  const auto note = [&](double times, const Row& row) {
+    if (row.fell > 0) {
+      found.breaks = times;
+    } else {
+      found.holds = times;
+      found.moved = moved_percent(row);
+    }
+  };
+  note(1.0, at_one);
+  while (!found.breaks && found.holds < Breaking::kMost && !interrupted)
+    note(2.0 * found.holds, rows.run(scenario, 2.0 * found.holds, true));
+  while (found.breaks && *found.breaks > std::max(Breaking::kFinest * found.holds, Breaking::kLeast) && !interrupted) {
+    const double between = found.holds > 0.0 ? std::sqrt(found.holds * *found.breaks) : 0.5 * *found.breaks;
+    note(between, rows.run(scenario, between, true));
+  }
+  return found;
+}
+
+void print(const Row& row, const Breaking& breaking) {
+  fmt::print("{:13}  {:>4}/{:<4}  {:4.0f}%  {:>8}  {:4.0f}%  {:>8}\n", row.name, row.tried - row.fell, row.tried,
+             moved_percent(row), fmt::format("x {:.3g}", breaking.holds), breaking.moved,
+             breaking.breaks ? fmt::format("x {:.3g}", *breaking.breaks) : "-");
+  std::fflush(stdout);
+}
+
+/// A bar from nothing to what each scenario holds, and on to where it breaks, on a scale of doublings.
+void plot_breaking(const std::filesystem::path& file, const std::vector<std::pair<std::string, Breaking>>& all) {
+  constexpr double kLowest = -4.0;  ///< of the scale
+  const auto doublings = [&](double factor) { return std::max(kLowest, std::log2(factor)); };
+  Panel panel;
+  panel.title = "How many times as large a disturbance may be before one run ends in a fall";
+  panel.x_label = "factor as a power of 2 (0: as described)";
+  panel.x_range = Range{kLowest, std::log2(Breaking::kMost) + 0.5};
+  panel.y_range = Range{-0.7, static_cast<double>(all.size()) - 0.3};
+  panel.height = 18.0 * static_cast<double>(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [name, breaking] = all[all.size() - 1 - i];  // the first one on top
+    const double y = static_cast<double>(i);
+    panel.rows.push_back(name);
+    panel.areas.push_back(
+        band("no fall", {kLowest, y - 0.3}, {doublings(breaking.holds), y + 0.3}, palette::kBlue, 0.8));
+    if (breaking.breaks)
+      panel.areas.push_back(band("a fall", {doublings(*breaking.breaks), y - 0.3},
+                                 {doublings(*breaking.breaks) + 0.1, y + 0.3}, palette::kVermilion, 1.0));
+  }
+  save_plot(file, std::span(&panel, 1));
+}
+
+/// Scenarios by the options.
+std::vector<Scenario> chosen_scenarios(const SoakOptions& o) {
+  if (*o.physics.scenario != "all") {
+    const Scenario& one = scenario_named(*o.physics.scenario);
+    check_times(one, o.physics.times);
+    if (o.breaking && one.deviate == nullptr)
+      throw InputError(fmt::format("--break: the scenario {} has no size that could be scaled", one.name));
+    return {one};
+  }
+  std::vector<Scenario> all;
+  for (const Scenario& scenario : scenarios()) {
+    if (scenario.deviate != nullptr || (o.physics.times == 1.0 && !o.breaking)) all.push_back(scenario);
+  }
+  return all;
+}
+
+/// Options with the defaults of --break.
+SoakOptions completed(SoakOptions o) {
+  if (o.breaking) {
+    if (o.physics.times != 1.0) throw InputError("--break looks for --times itself: leave it out");
+    if (!o.seeds) o.seeds = 20;
+    if (!o.episode) o.episode = 30.0;
+  }
+  if (!o.seeds) throw InputError("soak --scenario needs --seeds: the number of episodes");
+  if (o.plot && !o.breaking) throw InputError("--plot goes with --break");
+  if (o.segments || o.hours || o.resume)
+    throw InputError("soak --scenario takes --seeds, not --segments, --hours or --resume");
+  return o;
 }
 
 }  // namespace
 
-int soak_scenarios(const SoakOptions& o) {
-  if (!o.seeds) throw InputError("soak --scenario needs --seeds: the number of episodes");
-  if (o.segments || o.hours || o.resume)
-    throw InputError("soak --scenario takes --seeds, not --segments, --hours or --resume");
-  std::vector<Scenario> chosen;
-  if (*o.physics.scenario == "all") {
-    chosen = scenarios();
-  } else {
-    chosen = {scenario_named(*o.physics.scenario)};
-  }
+int soak_scenarios(const SoakOptions& given) {
+  const SoakOptions o = completed(given);
+  const std::vector<Scenario> chosen = chosen_scenarios(o);
   const World world = World::load(o.world);
-  const bool terminal = isatty(STDERR_FILENO) == 1;
   Json report = {{"robot", o.robot},
                  {"world", world.name()},
+                 {"plant", o.physics.plant.value_or("model")},
                  {"state", o.physics.state},
                  {"seed", o.seed},
                  {"times", o.physics.times},
                  {"answer_delay_ms", o.answers.delay_ms},
                  {"answer_loss", o.answers.loss}};
   bool fell = false;
-  print_head();
+  Rows rows(o, world);
+  std::vector<std::pair<std::string, Breaking>> all;
+  if (o.breaking) {
+    fmt::print("{:13}  {:>9}  {:>5}  {:>8}  {:>5}  {:>8}\n", "scenario", "survived", "moved", "holds", "moved",
+               "breaks");
+  } else {
+    print_head();
+  }
   for (const Scenario& scenario : chosen) {
-    SoakOptions one = o;
-    one.physics.scenario = std::string(scenario.name);
-    one.on = "sim";
-    const RobotModel robot = robot_in(one.physics, o.robot);
-    Trial trial;
-    trial.on = Simulation::On::sim;
-    trial.modes = modes_of(o.modes);
-    trial.state = state_named(o.physics.state);
-    trial.seed = static_cast<std::uint64_t>(o.seed);
-    trial.seconds = o.episode.value_or(scenario.seconds);
-    trial.scenario = &scenario;
-    trial.times = o.physics.times;
-    trial.answers = faults_of(o.answers);
-    const Episodes episodes(robot, world, trial);
-    check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
-    const double period = robot.profile().tick.period;
-    Row row;
-    row.name = scenario.name;
-    {
-      EpisodePool pool(episodes, 0, o.jobs);
-      while (row.tried < *o.seeds && !interrupted) {
-        const std::optional<EpisodeResult> result = pool.wait(std::chrono::milliseconds(200));
-        if (!result) continue;
-        const long seed = o.seed + row.tried;
-        const long before = row.fell;
-        row.add(*result, seed, period);
-        if (row.fell > before && o.report) write_replay(one, episodes, *result, period, seed);
-        if (terminal) fmt::print(stderr, "\r\x1b[K{}: {} of {}, {} fell", row.name, row.tried, *o.seeds, row.fell);
+    const Row row = rows.run(scenario, o.physics.times, false);
+    report["scenarios"][row.name] = row.json(scenario);
+    if (o.breaking) {
+      const Breaking breaking = breaking_point(scenario, row, rows);
+      if (interrupted) break;
+      print(row, breaking);
+      report["scenarios"][row.name]["breaking"] = {{"holds", breaking.holds},
+                                                   {"moved_percent", breaking.moved},
+                                                   {"breaks", breaking.breaks ? Json(*breaking.breaks) : Json()}};
+      all.emplace_back(row.name, breaking);
+      if (o.plot) plot_breaking(*o.plot, all);
+    } else {
+      print(row);
+      fell = fell || row.fell > 0;
+      if (scenario.driving == Driving::shift) {
+        fmt::print("{:13}  COM height changes from first to last rest by at most {:.2f} mm\n", "", 1e3 * row.drift);
       }
     }
-    if (terminal) fmt::print(stderr, "\r\x1b[K");
-    print(row);
-    if (scenario.driving == Driving::shift) {
-      fmt::print("{:11}  COM height changes from first to last rest by at most {:.2f} mm\n", "", 1e3 * row.drift);
-    }
-    report["scenarios"][row.name] = row.json(scenario);
-    fell = fell || row.fell > 0;
     if (o.report) write_whole(*o.report, "--report", report.dump(2) + '\n');
     if (interrupted) break;
   }

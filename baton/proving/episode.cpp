@@ -16,9 +16,9 @@ constexpr double kRestTime = 0.25;     ///< [s] without a motion: no planning un
 constexpr long kMostRetraced = 5;      ///< most motions retraced at the end
 
 /// In physics soles sink and the planning frame follows their estimated positions, so penetration is judged within the
-/// ground's flatness. In a scenario only falls count, as the ground is not as planned.
+/// ground's flatness. In a scenario, or if the sensors err, only falls count, as the ground is not as planned.
 std::optional<Checker> checker_of(const Trial& trial, const RobotModel& robot, const Simulation& simulation) {
-  if (trial.scenario != nullptr) return std::nullopt;
+  if (trial.scenario != nullptr || trial.real) return std::nullopt;
   Checker::Tolerances tolerances;
   if (trial.on == Simulation::On::sim) tolerances.sink = robot.profile().ground.flatness;
   return Checker(robot, simulation.model_text(), tolerances);
@@ -30,8 +30,9 @@ std::uint64_t seed_of(const Trial& trial, long index) {
 
 Simulation::Parameters parameters_of(const Trial& trial, const RobotModel& robot, long index, Planning& planning) {
   Simulation::Parameters parameters;
-  if (trial.scenario != nullptr)
-    parameters.physics.plant = plant_of(*trial.scenario, robot, seed_of(trial, index), trial.times);
+  Plant& plant = parameters.physics.plant;
+  if (trial.real) plant = real_plant(robot, seed_of(trial, index));
+  if (trial.scenario != nullptr) plant = plant_of(*trial.scenario, robot, seed_of(trial, index), trial.times, plant);
   parameters.session = {trial.modes, trial.state, &planning};
   return parameters;
 }

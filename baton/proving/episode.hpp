@@ -20,8 +20,9 @@ struct Trial {
   StateSource state = StateSource::sensors;
   std::uint64_t seed = 0;
   double seconds = 120.0;              ///< driven by the stick; then the robot comes to rest and retraces a few motions
-  const Scenario* scenario = nullptr;  ///< in physics, with a plant per episode; no retracing then
-  double times = 1.0;                  ///< factor on the scenario's deviation from the model
+  bool real = false;                   ///< in physics: the plant is `real`, drawn per episode; only falls count then
+  const Scenario* scenario = nullptr;  ///< in physics, on top of the plant; no retracing then, and only falls count
+  double times = 1.0;                  ///< how many times as large the scenario is
   AnswerFaults answers{};              ///< fault injection, seeded per episode
 };
 

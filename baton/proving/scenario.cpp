@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kHeight = 0.26;    ///< mighty's COM height, to scale lengths [m]
-constexpr double kMomentum = 8.83;  ///< mighty's m √(g h), to scale impulses [N·s]
+constexpr double kMass = 5.53;      ///< mighty's mass, to scale masses, forces and impulses [kg]
 constexpr double kFirstPush = 2.0;  ///< start of single pushes [s]
 constexpr int kDirections = 8;
 constexpr int kInstants = 20;
@@ -44,46 +44,205 @@ Vec3 horizontal(double angle, double length) {
   return length * Vec3(std::cos(angle), std::sin(angle), 0.0);
 }
 
+}  // namespace
+
+struct Draw {
+  const RobotModel& robot;
+  const Scenario& scenario;
+  std::uint64_t seed;
+  double times;
+  Dice dice{mixed_seed(seed, 77)};
+  double way = M_PI * dice.axis();  ///< a random direction [rad]
+
+  /// Amounts for mighty, scaled: length [m], mass [kg], impulse [N·s], force [weight].
+  [[nodiscard]] double length(double l) const { return times * l * height() / kHeight; }
+  [[nodiscard]] double mass(double m) const { return times * m * robot.mass() / kMass; }
+  [[nodiscard]] double impulse(double p) const {
+    return times * p * robot.mass() * std::sqrt(kGravity * height()) / (kMass * std::sqrt(kGravity * kHeight));
+  }
+  [[nodiscard]] double force(double f) const { return times * f / (kMass * kGravity); }
+  [[nodiscard]] double angle(double degrees) const { return times * degrees * kDegree; }
+  [[nodiscard]] double ratio(double r) const { return std::pow(r, times); }
+  /// From `nominal` to `drawn`, and beyond.
+  [[nodiscard]] double between(double nominal, double drawn) const { return nominal * ratio(drawn / nominal); }
+
+  [[nodiscard]] double height() const { return robot.profile().stance.com_height; }
+};
+
+namespace {
+
 /// Repeated pushes in all directions.
-std::vector<Push> pushes(Dice& dice, double impulse, double seconds, int from_ms, int to_ms) {
-  std::vector<Push> list;
-  for (double t = kFirstPush; t < seconds; t += 1e-3 * dice.between(from_ms, to_ms))
-    list.push_back({t, 0.05, horizontal(M_PI * dice.axis(), impulse)});
-  return list;
+void push_often(Plant& plant, Draw& draw, double impulse) {
+  for (double t = kFirstPush; t < draw.scenario.seconds; t += 1e-3 * draw.dice.between(2000, 4000))
+    plant.pushes.push_back({t, 0.05, horizontal(M_PI * draw.dice.axis(), draw.impulse(impulse))});
+}
+
+void push_once(Plant& plant, const Draw& draw, double impulse, double angle) {
+  const double instant = static_cast<double>(draw.seed / kDirections % kInstants);
+  plant.pushes.push_back({kFirstPush + kPushInterval * instant, 0.05, horizontal(angle, draw.impulse(impulse))});
+}
+
+void push_all_round(Plant& plant, Draw& draw) {
+  push_once(plant, draw, 0.6, 2.0 * M_PI / kDirections * static_cast<double>(draw.seed % kDirections));
+}
+
+/// Contact parameters of the soles in the model: sliding friction, and contact time constant [s].
+double sole_friction(const RobotModel& robot) {
+  return robot.mj().geom_friction[3 * robot.sole_geoms().left.front()];
+}
+double sole_solref(const RobotModel& robot) {
+  return robot.mj().geom_solref[2 * robot.sole_geoms().left.front()];
+}
+
+void heavier_or_lighter(Plant& plant, Draw& draw) {
+  plant.mass *= draw.ratio(draw.seed % 2 == 0 ? 1.1 : 0.9);
+}
+
+void glitch(Plant& plant, Draw& draw) {
+  if (draw.times > 0.0) plant.sensors.glitches = 10.0 / draw.times;
+}
+
+/// Adds errors of the sensors, each `share()` times as large.
+template <typename Share>
+void add(SensorErrors& to, const SensorErrors& errors, const Share& share) {
+  for (double SensorErrors::*const field :
+       {&SensorErrors::delay, &SensorErrors::jitter, &SensorErrors::encoder_noise, &SensorErrors::encoder_offset,
+        &SensorErrors::encoder_step, &SensorErrors::imu_mount, &SensorErrors::imu_wander, &SensorErrors::yaw_drift,
+        &SensorErrors::gyro_noise, &SensorErrors::accelerometer_noise, &SensorErrors::force_noise,
+        &SensorErrors::force_gain, &SensorErrors::force_zero})
+    to.*field += share() * errors.*field;
+  to.differenced_speeds |= errors.differenced_speeds && share() > 0.0;
+}
+
+/// The same for those of the actuators.
+template <typename Share>
+void add(ActuatorErrors& to, const ActuatorErrors& errors, const Share& share) {
+  for (double ActuatorErrors::*const field : {&ActuatorErrors::delay, &ActuatorErrors::lag, &ActuatorErrors::friction,
+                                              &ActuatorErrors::backlash, &ActuatorErrors::hip_compliance})
+    to.*field += share() * errors.*field;
+  to.held_targets |= errors.held_targets && share() > 0.0;
+  to.differenced_speeds |= errors.differenced_speeds && share() > 0.0;
+}
+
+template <typename Share>
+void add_real(Plant& plant, const RobotModel& robot, const Share& share) {
+  add(plant.sensors, robot.profile().sensors, share);
+  add(plant.actuators, robot.profile().actuators, share);
+}
+
+/// A milder mix of the disturbances of physics and of noise.
+void mix(Plant& plant, Draw& draw) {
+  Dice& dice = draw.dice;
+  plant.friction = draw.between(sole_friction(draw.robot), 0.7 + 0.3 * dice.axis());
+  plant.mass *= draw.ratio(1.0 + 0.05 * dice.axis());
+  plant.com_offset += horizontal(draw.way, draw.length(0.005));
+  plant.actuators.gain *= draw.ratio(0.9);
+  plant.actuators.strength *= draw.ratio(0.95);
+  plant.actuators.delay += 0.003 * draw.times;
+  plant.sensors.encoder_noise += draw.angle(0.05);
+  plant.sensors.force_noise += 0.03 * draw.times;
+  plant.sensors.imu_bias += horizontal(M_PI * dice.axis(), draw.angle(0.25));
+  plant.tilt += horizontal(M_PI * dice.axis(), draw.angle(1.0));
+  plant.tiles += draw.length(0.001);
+  plant.solref = draw.between(sole_solref(draw.robot), 0.005 * std::pow(2.0, dice.axis()));
+  plant.actuators.kp *= draw.ratio(1.0 + 0.15 * dice.axis());
+  push_often(plant, draw, 0.3);
 }
 
 }  // namespace
 
 const std::vector<Scenario>& scenarios() {
+  constexpr Driving kRandom = Driving::random;
   static const std::vector<Scenario> all{
-      {"nominal", "the model"},
-      {"friction", "friction 0.3"},
-      {"mass", "mass + or - 10 %"},
-      {"com", "COM of the trunk 10 mm off, horizontally"},
-      {"gain", "motors give 20 % less"},
-      {"strength", "motors give 10 % less at most"},
-      {"delay5", "targets come 5 ms late"},
-      {"delay10", "targets come 10 ms late"},
-      {"noise", "encoders 0.1 deg, forces 5 %, IMU 0.5 deg off"},
-      {"slope", "floor tilted by 3 deg"},
-      {"tiles", "tiles up to 4 mm higher or lower"},
-      {"contact", "solref 0.002 to 0.04"},
-      {"kp07", "servos' kp x 0.7"},
-      {"kp14", "servos' kp x 1.4"},
+      {"nominal", "the plant alone"},
+      {"friction", "friction 0.3", kRandom, 60,
+       [](Plant& p, Draw& d) { p.friction = d.between(sole_friction(d.robot), 0.3); }},
+      {"mass", "mass + or - 10 %", kRandom, 60, heavier_or_lighter},
+      {"com", "COM of the trunk 10 mm off, horizontally", kRandom, 60,
+       [](Plant& p, Draw& d) { p.com_offset += horizontal(d.way, d.length(0.010)); }},
+      {"payload", "0.5 kg in one hand", kRandom, 60,
+       [](Plant& p, Draw& d) { p.payload[d.seed % 2 == 0 ? Side::left : Side::right] += d.mass(0.5); }},
+      {"gain", "motors give 20 % less", kRandom, 60, [](Plant& p, Draw& d) { p.actuators.gain *= d.ratio(0.8); }},
+      {"strength", "motors give 10 % less at most", kRandom, 60,
+       [](Plant& p, Draw& d) { p.actuators.strength *= d.ratio(0.9); }},
+      {"kp07", "servos' kp x 0.7", kRandom, 60, [](Plant& p, Draw& d) { p.actuators.kp *= d.ratio(0.7); }},
+      {"kp14", "servos' kp x 1.4", kRandom, 60, [](Plant& p, Draw& d) { p.actuators.kp *= d.ratio(1.4); }},
+      {"delay5", "targets come 5 ms late", kRandom, 60,
+       [](Plant& p, Draw& d) { p.actuators.delay += 0.005 * d.times; }},
+      {"delay10", "targets come 10 ms late", kRandom, 60,
+       [](Plant& p, Draw& d) { p.actuators.delay += 0.010 * d.times; }},
+      {"lag", "motor torques lag by 5 ms, targets are held for a tick", kRandom, 60,
+       [](Plant& p, Draw& d) {
+         p.actuators.lag += 0.005 * d.times;
+         p.actuators.held_targets |= d.times > 0.0;
+       }},
+      {"dry_friction", "joints with dry friction, 10 % of the stall torque", kRandom, 60,
+       [](Plant& p, Draw& d) { p.actuators.friction += 0.10 * d.times; }},
+      {"backlash", "joints with play, 0.5 deg to each side", kRandom, 60,
+       [](Plant& p, Draw& d) { p.actuators.backlash += d.angle(0.5); }},
+      {"hip", "hips that yield by 1 deg in single support", kRandom, 60,
+       [](Plant& p, Draw& d) { p.actuators.hip_compliance += 0.1 * d.times; }},
+      {"noise", "encoders 0.1 deg, forces 5 %, IMU 0.5 deg off", kRandom, 60,
+       [](Plant& p, Draw& d) {
+         p.sensors.encoder_noise += d.angle(0.1);
+         p.sensors.force_noise += 0.05 * d.times;
+         p.sensors.imu_bias += horizontal(d.way, d.angle(0.5));
+       }},
+      {"sensor_delay", "measurements 10 ms old", kRandom, 60,
+       [](Plant& p, Draw& d) { p.sensors.delay += 0.010 * d.times; }},
+      {"encoders", "encoders with zero errors of up to 1 deg", kRandom, 60,
+       [](Plant& p, Draw& d) { p.sensors.encoder_offset += d.angle(1.0); }},
+      {"speeds", "encoders with steps of 0.05 deg, speeds are differences, in the servos too", kRandom, 60,
+       [](Plant& p, Draw& d) {
+         p.sensors.encoder_step += d.angle(0.05);
+         p.sensors.differenced_speeds |= d.times > 0.0;
+         p.actuators.differenced_speeds |= d.times > 0.0;
+       }},
+      {"imu_noise", "gyro 0.02 rad/s, accelerometer 0.2 m/s2", kRandom, 60,
+       [](Plant& p, Draw& d) {
+         p.sensors.gyro_noise += 0.02 * d.times;
+         p.sensors.accelerometer_noise += 0.2 * d.times;
+       }},
+      {"mount", "IMU mounted askew by 1 deg", kRandom, 60,
+       [](Plant& p, Draw& d) { p.sensors.imu_mount += d.angle(1.0); }},
+      {"wander", "roll and pitch wander by 1 deg rms", kRandom, 60,
+       [](Plant& p, Draw& d) { p.sensors.imu_wander += d.angle(1.0); }},
+      {"yaw_drift", "yaw drifts by 10 deg a minute", kRandom, 60,
+       [](Plant& p, Draw& d) { p.sensors.yaw_drift += d.angle(10.0) / 60.0; }},
+      {"force_zero", "force sensors up to 10 N off", kRandom, 60,
+       [](Plant& p, Draw& d) { p.sensors.force_zero += d.force(10.0); }},
+      {"slope", "floor tilted by 3 deg", kRandom, 60,
+       [](Plant& p, Draw& d) { p.tilt += horizontal(d.way, d.angle(3.0)); }},
+      {"tiles", "tiles up to 4 mm higher or lower", kRandom, 60, [](Plant& p, Draw& d) { p.tiles += d.length(0.004); }},
+      {"contact", "solref 0.002 to 0.04", kRandom, 60,
+       [](Plant& p, Draw& d) {
+         p.solref = d.between(sole_solref(d.robot), 0.002 * std::pow(20.0, 0.5 * (1.0 + d.dice.axis())));
+       }},
+      {"floors", "friction 0.4 to 1.0", kRandom, 60,
+       [](Plant& p, Draw& d) { p.friction = d.between(sole_friction(d.robot), 0.7 + 0.3 * d.dice.axis()); }},
+      {"mat", "a mat into which the robot sinks by 3 mm", kRandom, 60,
+       [](Plant& p, Draw& d) { p.mat += d.length(0.003); }},
       {"stiff", "servos that take angles only"},
-      {"stiff_tiles", "the same on tiles, 2 mm"},
-      {"push", "0.6 N s every 2 to 4 s"},
-      {"mix", "a milder mix of all"},
-      {"push_stand", "standing: 0.6 N s, 8 directions", Driving::stand, 6.0},
-      {"push_side", "standing: 1.2 N s sideways", Driving::stand, 6.0},
-      {"push_fore", "standing: 1.0 N s fore and aft", Driving::stand, 6.0},
-      {"push_walk", "walking: 0.6 N s, 8 directions, 20 instants", Driving::walk, 8.0},
-      {"push_swing", "a foot in the air: 0.6 N s, 8 directions, 20 instants", Driving::swing, 8.0},
-      {"floors", "friction 0.4 to 1.0"},
-      {"glitches", "readings that are not numbers, jump, stick, are swapped or held"},
-      {"glitches_walk", "the same, walking", Driving::walk},
-      {"glitches_stand", "the same, standing", Driving::stand},
-      {"creep", "mass + or - 10 %, the trunk shifted to and fro", Driving::shift},
+      {"stiff_tiles", "the same on tiles, 2 mm", kRandom, 60, [](Plant& p, Draw& d) { p.tiles += d.length(0.002); }},
+      {"push", "0.6 N s every 2 to 4 s", kRandom, 60, [](Plant& p, Draw& d) { push_often(p, d, 0.6); }},
+      {"mix", "a milder mix of physics, noise and pushes", kRandom, 60, mix},
+      {"real", "the profile's errors of sensors and actuators", kRandom, 60,
+       [](Plant& p, Draw& d) { add_real(p, d.robot, [&d] { return d.times; }); }},
+      {"real_stiff", "the same with servos that take angles only", kRandom, 60,
+       [](Plant& p, Draw& d) { add_real(p, d.robot, [&d] { return d.times; }); }},
+      {"drawn", "each of them between none and twice", kRandom, 60,
+       [](Plant& p, Draw& d) { add_real(p, d.robot, [&d] { return 2.0 * d.times * d.dice.share(); }); }},
+      {"push_stand", "standing: 0.6 N s, 8 directions", Driving::stand, 6.0, push_all_round},
+      {"push_side", "standing: 1.2 N s sideways", Driving::stand, 6.0,
+       [](Plant& p, Draw& d) { push_once(p, d, 1.2, d.seed % 2 == 0 ? M_PI_2 : -M_PI_2); }},
+      {"push_fore", "standing: 1.0 N s fore and aft", Driving::stand, 6.0,
+       [](Plant& p, Draw& d) { push_once(p, d, 1.0, d.seed % 2 == 0 ? 0.0 : M_PI); }},
+      {"push_walk", "walking: 0.6 N s, 8 directions, 20 instants", Driving::walk, 8.0, push_all_round},
+      {"push_swing", "a foot in the air: 0.6 N s, 8 directions, 20 instants", Driving::swing, 8.0, push_all_round},
+      {"glitches", "readings that are not numbers, jump, stick, are swapped or held", kRandom, 60, glitch},
+      {"glitches_walk", "the same, walking", Driving::walk, 60, glitch},
+      {"glitches_stand", "the same, standing", Driving::stand, 60, glitch},
+      {"creep", "mass + or - 10 %, the trunk shifted to and fro", Driving::shift, 60, heavier_or_lighter},
   };
   return all;
 }
@@ -98,61 +257,12 @@ const Scenario& scenario_named(const std::string& name) {
   throw InputError(fmt::format("--scenario {}: must be one of {}", name, names));
 }
 
-Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times) {
-  const double height = robot.profile().stance.com_height;
-  const double length = times * height / kHeight;
-  const double impulse = times * robot.mass() * std::sqrt(kGravity * height) / kMomentum;
-  Dice dice(mixed_seed(seed, 77));
-  const std::string_view is = scenario.name;
-  const double way = M_PI * dice.axis();
-  Plant plant;
+Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times, const Plant& base) {
+  Plant plant = base;
   plant.seed = mixed_seed(seed, 78);
-  plant.tile_side *= height / kHeight;
-  const auto single_push = [&](double size, double angle) {
-    const double instant = static_cast<double>(seed / kDirections % kInstants);
-    plant.pushes = {{kFirstPush + kPushInterval * instant, 0.05, horizontal(angle, size * impulse)}};
-  };
-  if (is == "friction") plant.friction = 0.3;
-  if (is == "floors") plant.friction = 0.7 + 0.3 * dice.axis();
-  if (is == "mass" || is == "creep") plant.mass = 1.0 + (seed % 2 == 0 ? 0.1 : -0.1) * times;
-  if (is == "com") plant.com_offset = horizontal(way, 0.010 * length);
-  if (is == "gain") plant.actuators.gain = 1.0 - 0.2 * times;
-  if (is == "strength") plant.actuators.strength = 1.0 - 0.1 * times;
-  if (is == "delay5") plant.actuators.delay = 0.005 * times;
-  if (is == "delay10") plant.actuators.delay = 0.010 * times;
-  if (is == "kp07") plant.actuators.kp = 0.7;
-  if (is == "kp14") plant.actuators.kp = 1.4;
-  if (is == "slope") plant.tilt = horizontal(way, 3.0 * kDegree * times);
-  if (is == "tiles") plant.tiles = 0.004 * length;
-  if (is == "stiff_tiles") plant.tiles = 0.002 * length;
-  if (is == "contact") plant.solref = 0.002 * std::pow(20.0, 0.5 * (1.0 + dice.axis()));
-  if (is == "push") plant.pushes = pushes(dice, 0.6 * impulse, scenario.seconds, 2000, 4000);
-  if (is == "push_stand" || is == "push_walk" || is == "push_swing")
-    single_push(0.6, 2.0 * M_PI / kDirections * static_cast<double>(seed % kDirections));
-  if (is == "push_side") single_push(1.2, seed % 2 == 0 ? M_PI_2 : -M_PI_2);
-  if (is == "push_fore") single_push(1.0, seed % 2 == 0 ? 0.0 : M_PI);
-  if (is == "noise") {
-    plant.sensors.encoder_noise = 0.1 * kDegree * times;
-    plant.sensors.force_noise = 0.05 * times;
-    plant.sensors.imu_bias = horizontal(way, 0.5 * kDegree * times);
-  }
-  if (is.starts_with("glitches")) plant.sensors.glitches = 10.0 / times;
-  if (is == "mix") {
-    plant.friction = 0.7 + 0.3 * dice.axis();
-    plant.mass = 1.0 + 0.05 * times * dice.axis();
-    plant.com_offset = horizontal(way, 0.005 * length);
-    plant.actuators.gain = 1.0 - 0.1 * times;
-    plant.actuators.strength = 1.0 - 0.05 * times;
-    plant.actuators.delay = 0.003;
-    plant.sensors.encoder_noise = 0.05 * kDegree * times;
-    plant.sensors.force_noise = 0.03 * times;
-    plant.sensors.imu_bias = horizontal(M_PI * dice.axis(), 0.25 * kDegree * times);
-    plant.tilt = horizontal(M_PI * dice.axis(), kDegree * times);
-    plant.tiles = 0.001 * length;
-    plant.solref = 0.005 * std::pow(2.0, dice.axis());
-    plant.actuators.kp = 1.0 + 0.15 * dice.axis();
-    plant.pushes = pushes(dice, 0.3 * impulse, scenario.seconds, 2000, 4000);
-  }
+  plant.tile_side = Plant{}.tile_side * robot.profile().stance.com_height / kHeight;
+  Draw draw{robot, scenario, seed, times};
+  if (scenario.deviate != nullptr) scenario.deviate(plant, draw);
   return plant;
 }
 
@@ -201,7 +311,7 @@ RobotModel with_drive(const RobotModel& robot, Drive drive) {
 }
 
 Drive drive_of(const Scenario& scenario, const RobotModel& robot) {
-  return scenario.name.starts_with("stiff") ? Drive::stiff : robot.profile().drive;
+  return scenario.name.find("stiff") != std::string_view::npos ? Drive::stiff : robot.profile().drive;
 }
 
 }  // namespace baton

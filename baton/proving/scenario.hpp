@@ -20,11 +20,16 @@ enum class Driving {
   shift,   ///< guides the trunk to and fro with pauses; no steps
 };
 
+/// What a scenario is drawn from.
+struct Draw;
+
 struct Scenario {
   std::string_view name;
   std::string_view what;  ///< in a few words, with numbers for mighty
   Driving driving = Driving::random;
   double seconds = 60.0;  ///< default duration [s]
+  /// Adds its deviation to a plant. Null: the plant stays as it is.
+  void (*deviate)(Plant& plant, Draw& draw) = nullptr;
 };
 
 [[nodiscard]] const std::vector<Scenario>& scenarios();
@@ -32,9 +37,12 @@ struct Scenario {
 /// @throws InputError no such scenario
 [[nodiscard]] const Scenario& scenario_named(const std::string& name);
 
-/// The plant of a scenario. Lengths and impulses scale with the robot.
-/// @param times factor on its deviation from the model
-[[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0);
+/// The plant of a scenario. Lengths, forces and impulses scale with the robot.
+/// @param times scales the deviation from the model: differences are multiplied by it, and ratios raised to its power,
+/// so that masses and stiffnesses stay positive. 0: none
+/// @param base what it is added to
+[[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0,
+                             const Plant& base = {});
 
 /// The stick of a run in this scenario; read it once per tick.
 [[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);

@@ -13,7 +13,7 @@
 namespace baton {
 namespace {
 
-constexpr double kLeft = 70.0, kRight = 18.0, kTitle = 26.0, kLegend = 20.0, kBelow = 46.0;  ///< [px]
+constexpr double kLeft = 70.0, kRight = 18.0, kTitle = 26.0, kLegend = 20.0, kBelow = 46.0, kRowGap = 24.0;  ///< [px]
 
 std::string escaped(const std::string& text) {
   static const std::map<char, const char*> entities{
@@ -103,6 +103,8 @@ class Drawing {
     x_ = axis_over(xs, panel.x_range);
     y_ = axis_over(ys, panel.y_range);
     x_.begin = kLeft;
+    for (const std::string& row : panel.rows)
+      x_.begin = std::max(x_.begin, width_of(row) + kRowGap);
     x_.end = width - kRight;
     width_ = width;
     top_ = top;
@@ -134,11 +136,17 @@ class Drawing {
       labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", x_.at(tick),
                             y_.begin + 16, number(tick, sx));
     }
-    const double sy = y_.tick_step(34);
-    for (double tick = std::ceil(y_.lo / sy - 1e-9) * sy; tick <= y_.hi + 1e-9 * sy; tick += sy) {
+    const auto mark_y = [&](double tick, const std::string& label) {
       out += fmt::format("<path class=\"grid\" d=\"M{0:.2f} {1:.2f}H{2:.2f}\"/>", x_.begin, y_.at(tick), x_.end);
       labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"end\">{}</text>\n", x_.begin - 7,
-                            y_.at(tick) + 4, number(tick, sy));
+                            y_.at(tick) + 4, label);
+    };
+    const double sy = y_.tick_step(34);
+    for (std::size_t i = 0; i < panel_.rows.size(); ++i)
+      mark_y(static_cast<double>(i), escaped(panel_.rows[i]));
+    if (panel_.rows.empty()) {
+      for (double tick = std::ceil(y_.lo / sy - 1e-9) * sy; tick <= y_.hi + 1e-9 * sy; tick += sy)
+        mark_y(tick, number(tick, sy));
     }
     out += fmt::format("\n<g clip-path=\"url(#box{})\">\n", index_);
     for (const Area& area : panel_.areas) {

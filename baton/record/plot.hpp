@@ -56,8 +56,9 @@ struct Panel {
   std::string y_label;
   std::vector<Area> areas;
   std::vector<Series> series;
-  bool equal = false;            ///< equal scales on both axes (for loci)
-  std::optional<Range> x_range;  ///< default: from the data
+  std::vector<std::string> rows;  ///< names along the y axis, of 0, 1, 2, …, in place of numbers
+  bool equal = false;             ///< equal scales on both axes (for loci)
+  std::optional<Range> x_range;   ///< default: from the data
   std::optional<Range> y_range;
   double height = 220.0;  ///< height of the axes' box [px]
 };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "baton/model/input_file.hpp"
 #include "baton/proving/episode.hpp"
 #include "tests/proving/trial.hpp"
 #include "tests/support/robots.hpp"
@@ -206,6 +207,69 @@ TEST(Soak, AScenarioIsRefusedWithWhatWouldBeRight) {
   EXPECT_THAT(ideal.err, HasSubstr("--on sim"));
   EXPECT_EQ(run({"drive", "--times", "2", "--fast", "--seconds", "1"}).code, kBadInput) << "of what?";
   EXPECT_EQ(run({"drive", "--state", "guess", "--fast", "--seconds", "1"}).code, kBadInput);
+}
+
+TEST(Soak, FindsHowLargeADisturbanceMayBe) {
+  const Scratch scratch;
+  const Outcome outcome = run({"soak", "--scenario", "push_stand", "--break", "--seeds", "2", "--episode", "4",
+                               "--report", scratch.path("r.json"), "--plot", scratch.path("b.svg")});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  const nlohmann::json row = scratch.json("r.json")["scenarios"]["push_stand"];
+  EXPECT_EQ(row["survived"], 2);
+  const double holds = row["breaking"]["holds"].get<double>();
+  const double breaks = row["breaking"]["breaks"].get<double>();
+  EXPECT_GT(holds, 1.5);  // 0.9 N s
+  EXPECT_LT(breaks, 8.0);
+  EXPECT_LT(holds, breaks);
+  EXPECT_LT(breaks, 1.09 * holds);
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("x {:.3g}", holds)));
+  // As it says: there none falls, and there one does.
+  const auto fell = [&](double times) {
+    const Outcome again = run({"soak", "--scenario", "push_stand", "--times", fmt::format("{:.17g}", times), "--seeds",
+                               "2", "--episode", "4"});
+    return again.code == kFallen;
+  };
+  EXPECT_FALSE(fell(holds));
+  EXPECT_TRUE(fell(breaks));
+  EXPECT_THAT(read_input(scratch.path("b.svg"), "--plot"), HasSubstr("push_stand"));
+}
+
+TEST(Soak, TheRealPlantIsDrawnBySeedAndComesUnderAnyScenario) {
+  const Scratch scratch;
+  const auto run_of = [&](const std::vector<std::string>& physics, const std::string& report) {
+    std::vector<std::string> args{"soak", "--seeds", "1", "--episode", "2", "--report", scratch.path(report)};
+    args.insert(args.end(), physics.begin(), physics.end());
+    EXPECT_EQ(run(args).code, kDone);
+    const nlohmann::json json = scratch.json(report);
+    return json["scenarios"].begin().value()["tracking"]["com_rms_m"].get<double>();
+  };
+  const double exact = run_of({"--scenario", "nominal"}, "a.json");
+  const double real = run_of({"--scenario", "nominal", "--plant", "real"}, "b.json");
+  EXPECT_GT(real, 2.0 * exact);
+  EXPECT_NE(run_of({"--scenario", "nominal", "--plant", "real", "--seed", "1"}, "c.json"), real);
+  EXPECT_EQ(run_of({"--scenario", "nominal", "--plant", "real"}, "d.json"), real);
+  EXPECT_NE(run_of({"--scenario", "friction", "--plant", "real"}, "e.json"), real);
+  EXPECT_EQ(scratch.json("b.json")["plant"], "real");
+  EXPECT_EQ(scratch.json("a.json")["plant"], "model");
+}
+
+TEST(Soak, WhatCannotBeScaledOrHasNoPhysicsIsRefused) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"soak", "--scenario", "nominal", "--times", "2", "--seeds", "1"}, "nominal has no size"},
+      {{"drive", "--scenario", "stiff", "--times", "2", "--fast", "--seconds", "1"}, "stiff has no size"},
+      {{"soak", "--scenario", "nominal", "--break"}, "nominal has no size"},
+      {{"soak", "--scenario", "mass", "--break", "--times", "2"}, "--break looks for --times itself"},
+      {{"soak", "--scenario", "mass", "--seeds", "1", "--plot", "b.svg"}, "--plot goes with --break"},
+      {{"soak", "--segments", "5", "--report", "r.json", "--break"}, "go with --scenario"},
+      {{"soak", "--segments", "5", "--report", "r.json", "--plant", "real"}, "--plant real with --on ideal"},
+      {{"drive", "--on", "ideal", "--plant", "real", "--fast", "--seconds", "1"}, "--plant real with --on ideal"},
+      {{"drive", "--plant", "imaginary", "--fast", "--seconds", "1"}, "--plant"},
+  };
+  for (const auto& [args, says] : cases) {
+    const Outcome outcome = run(args);
+    EXPECT_EQ(outcome.code, kBadInput) << says;
+    EXPECT_THAT(outcome.err, HasSubstr(says));
+  }
 }
 
 }  // namespace
