@@ -38,22 +38,23 @@ void check_times(const Scenario& scenario, double times) {
     throw InputError(fmt::format("--times {}: the scenario {} has no size that could be scaled", times, scenario.name));
 }
 
-SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
-                                         long seed) {
+void check_physics(const PhysicsOptions& options, const std::string& on) {
   for (const auto& [option, value] : {std::pair("--scenario", options.scenario), std::pair("--plant", options.plant)}) {
     if (value && on != "sim")
       throw InputError(fmt::format("{} {} with --on {}: must be --on sim, it needs physics", option, *value, on));
   }
+}
+
+SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot, const std::string& on,
+                                         long seed) {
+  check_physics(options, on);
   if (!options.scenario && options.times != 1.0)
     throw InputError(fmt::format("--times {} needs --scenario", options.times));
-  const auto drawn = static_cast<std::uint64_t>(seed);
+  const Scenario* scenario = options.scenario ? &scenario_named(*options.scenario) : nullptr;
+  if (scenario != nullptr) check_times(*scenario, options.times);
   SimulatedRobot::Parameters parameters;
-  if (is_real(options)) parameters.plant = real_plant(robot, drawn);
-  if (options.scenario) {
-    const Scenario& scenario = scenario_named(*options.scenario);
-    check_times(scenario, options.times);
-    parameters.plant = plant_of(scenario, robot, drawn, options.times, parameters.plant);
-  }
+  parameters.plant =
+      plant_of(is_real(options), scenario, robot, static_cast<std::uint64_t>(seed), options.times);
   return parameters;
 }
 

@@ -27,6 +27,10 @@ namespace baton::app {
 /// Whether the plant is `real`.
 [[nodiscard]] bool is_real(const PhysicsOptions& options);
 
+/// @param on sim or ideal
+/// @throws InputError a plant or scenario without physics
+void check_physics(const PhysicsOptions& options, const std::string& on);
+
 /// The options' plant with their scenario.
 /// @param on sim or ideal
 /// @throws InputError a plant or scenario without physics, no such scenario, or `times` for one that has no size
@@ -40,8 +44,8 @@ namespace baton::app {
 /// @throws InputError no such source
 [[nodiscard]] StateSource state_named(const std::string& name);
 
-/// What to scale: a scenario that has a size.
-/// @throws InputError it has none, and `times` is not 1
+/// Checks that a scenario can be scaled.
+/// @throws InputError it has no size, and `times` is not 1
 void check_times(const Scenario& scenario, double times);
 
 }  // namespace baton::app

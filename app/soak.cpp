@@ -147,9 +147,7 @@ int soak(const SoakOptions& o) {
   if (!o.report) throw InputError("soak needs --report: the file for the result");
   if (o.seeds) throw InputError("--seeds goes with --scenario");
   if (o.breaking || o.plot) throw InputError("--break and --plot go with --scenario");
-  if (o.physics.plant && o.on != "sim")
-    throw InputError(
-        fmt::format("--plant {} with --on {}: must be --on sim, it needs physics", *o.physics.plant, o.on));
+  check_physics(o.physics, o.on);
   if (o.segments.has_value() == o.hours.has_value()) throw InputError("soak needs either --segments or --hours");
   const RobotModel robot = load_robot(o.robot, o.physics.drive);
   const World world = World::load(o.world);

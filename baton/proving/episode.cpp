@@ -30,9 +30,7 @@ std::uint64_t seed_of(const Trial& trial, long index) {
 
 Simulation::Parameters parameters_of(const Trial& trial, const RobotModel& robot, long index, Planning& planning) {
   Simulation::Parameters parameters;
-  Plant& plant = parameters.physics.plant;
-  if (trial.real) plant = real_plant(robot, seed_of(trial, index));
-  if (trial.scenario != nullptr) plant = plant_of(*trial.scenario, robot, seed_of(trial, index), trial.times, plant);
+  parameters.physics.plant = plant_of(trial.real, trial.scenario, robot, seed_of(trial, index), trial.times);
   parameters.session = {trial.modes, trial.state, &planning};
   return parameters;
 }

@@ -266,6 +266,11 @@ Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t 
   return plant;
 }
 
+Plant plant_of(bool real, const Scenario* scenario, const RobotModel& robot, std::uint64_t seed, double times) {
+  Plant plant = real ? real_plant(robot, seed) : Plant{};
+  return scenario != nullptr ? plant_of(*scenario, robot, seed, times, plant) : plant;
+}
+
 std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed) {
   switch (scenario.driving) {
     case Driving::random:

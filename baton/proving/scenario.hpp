@@ -44,6 +44,12 @@ struct Scenario {
 [[nodiscard]] Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times = 1.0,
                              const Plant& base = {});
 
+/// The plant of a run.
+/// @param real whether sensors and actuators err as the profile states; else the model is exact
+/// @param scenario on top of that; may be null
+[[nodiscard]] Plant plant_of(bool real, const Scenario* scenario, const RobotModel& robot, std::uint64_t seed,
+                             double times);
+
 /// The stick of a run in this scenario; read it once per tick.
 [[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
