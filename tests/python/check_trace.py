@@ -81,9 +81,9 @@ class Trace:
         self.number = {self.names[i]: table[:, k] for k, i in enumerate(columns)}
         self.ticks = len(rows)
 
-    def block(self, prefix, n=None):
-        """Columns prefix0, prefix1, …, or all that begin with the prefix."""
-        names = [name for name in self.names if name.startswith(prefix)] if n is None else [f"{prefix}{i}" for i in range(n)]
+    def block(self, prefix):
+        """All columns whose names begin with the prefix."""
+        names = [name for name in self.names if name.startswith(prefix)]
         return np.stack([self.number[name] for name in names], axis=1)
 
 
@@ -99,11 +99,12 @@ class Robot:
         self.root = roots[0]
         self.free = m.jnt_qposadr[m.body_jntadr[self.root]]
         self.bodies = np.array([b for b in range(m.nbody) if m.body_rootid[b] == self.root])
-        self.hinges = np.array([j for j in range(m.njnt) if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE])
+        motor = {int(m.actuator_trnid[i, 0]): i for i in range(m.nu)}
+        # A hinge without a motor is the compliance of the one before it, about the same axis: the trace has their sum.
+        self.hinges = np.array([j for j in range(m.njnt) if j in motor])
         self.qadr = m.jnt_qposadr[self.hinges]
         self.dadr = m.jnt_dofadr[self.hinges]
         self.range = m.jnt_range[self.hinges]
-        motor = {int(m.actuator_trnid[i, 0]): i for i in range(m.nu)}
         gear = np.array([m.actuator_gear[motor[j], 0] for j in self.hinges])
         self.stall = np.array([m.actuator_ctrlrange[motor[j], 1] for j in self.hinges]) * gear
         self.damping = m.dof_damping[self.dadr]
@@ -130,6 +131,18 @@ class Robot:
         self.colliders = [
             g for g in range(m.ngeom) if m.body_rootid[m.geom_bodyid[g]] == self.root and m.geom_contype[g] and g not in self.sole_geom
         ]
+
+    def configurations(self, columns):
+        """Configurations of the model: pose of the root, then a value a joint."""
+        q = np.zeros((len(columns), self.m.nq))
+        q[:, [*range(self.free, self.free + 7), *self.qadr]] = columns
+        return q
+
+    def velocities(self, columns):
+        v = np.zeros((len(columns), self.m.nv))
+        root = self.m.jnt_dofadr[self.m.body_jntadr[self.root]]
+        v[:, [*range(root, root + 6), *self.dadr]] = columns
+        return v
 
     def _named(self, kind, count, name):
         found = [i for i in range(count) if kind(i).name.split("/")[-1] == name]
@@ -233,17 +246,20 @@ def rotation_vector(R):
 
 
 class Ground:
-    """What may be stood on: level planes and upright boxes."""
+    """What may be stood on: planes and upright boxes, or all of them tilted together; `level` turns that back."""
 
     def __init__(self, robot):
         m = robot.m
         data = mujoco.MjData(m)
         mujoco.mj_kinematics(m, data)
-        self.boxes, self.floor = [], -np.inf
-        for g in robot.ground:
+        self.boxes, self.floor, self.level = [], -np.inf, np.eye(3)
+        for i, g in enumerate(robot.ground):
             R, p = data.geom_xmat[g].reshape(3, 3), data.geom_xpos[g]
+            if i == 0:
+                self.level = _turn_upright(R[:, 2])
+            R, p = self.level @ R, self.level @ p
             if R[2, 2] < 1 - 1e-9:
-                raise ValueError(f"ground {m.geom(g).name} is not level")
+                raise ValueError(f"ground {m.geom(g).name} is not parallel to the rest")
             if m.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE:
                 self.floor = max(self.floor, p[2])
             elif m.geom_type[g] == mujoco.mjtGeom.mjGEOM_BOX:
@@ -259,15 +275,21 @@ class Ground:
         lowest = np.full(len(outline), np.inf)
         samples = self._samples(outline)
         at = np.full(samples.shape[:2], self.floor)
+        low, high = outline.min(axis=1), outline.max(axis=1)
         for corners, top in self.boxes:
-            box = np.broadcast_to(corners, (len(outline), 4, 2))
-            touched = polygon_gap(outline, box) < 0
-            highest = np.where(touched, np.maximum(highest, top), highest)
-            inside = np.ones(samples.shape[:2], bool)
+            first, last = corners.min(axis=0), corners.max(axis=0)
+            if (low.min(axis=0) > last).any() or (high.max(axis=0) < first).any():
+                continue
+            near = np.flatnonzero(((low < last) & (high > first)).all(axis=1))
+            if len(near) == 0:
+                continue
+            touched = polygon_gap(outline[near], np.broadcast_to(corners, (len(near), 4, 2))) < 0
+            highest[near] = np.where(touched, np.maximum(highest[near], top), highest[near])
+            inside = np.ones((len(near), samples.shape[1]), bool)
             for i in range(4):
                 edge = corners[(i + 1) % 4] - corners[i]
-                inside &= cross2(edge, samples - corners[i]) >= 0
-            at = np.where(inside, np.maximum(at, top), at)
+                inside &= cross2(edge, samples[near] - corners[i]) >= 0
+            at[near] = np.where(inside, np.maximum(at[near], top), at[near])
         lowest = at.min(axis=1)
         return highest, lowest
 
@@ -285,7 +307,7 @@ class Ground:
 class Motion:
     """Kinematics of every tick, and what follows from it by differences."""
 
-    def __init__(self, robot, q, v, dt):
+    def __init__(self, robot, q, v, dt, springs=None):
         m, n = robot.m, len(q)
         data = mujoco.MjData(m)
         bodies = robot.bodies
@@ -299,8 +321,9 @@ class Motion:
         self.subtree_momentum = np.full((n, 6), np.nan)  # from qvel: linear, angular about the COM
         reach = 4 * robot.profile["margin"]["self_collision"] + 0.01
         fromto = np.zeros(6)
-        solids = [(a, b) for a in robot.colliders for b in robot.obstacles + robot.ground]
-        radius = m.geom_rbound
+        links, world = np.array(robot.colliders), np.array(robot.obstacles + robot.ground)
+        plane = m.geom_rbound[world] == 0
+        far = m.geom_rbound[links][:, None] + m.geom_rbound[world] + reach
         for k in range(n):
             data.qpos[:] = q[k]
             data.qvel[:] = v[k]
@@ -313,6 +336,9 @@ class Motion:
             self.anchor[k], self.axis[k] = data.xanchor, data.xaxis
             self.subtree_momentum[k, :3] = robot.mass * data.subtree_linvel[robot.root]
             self.subtree_momentum[k, 3:] = data.subtree_angmom[robot.root]
+            if springs is not None:
+                mujoco.mj_collision(m, data)
+                springs.look(k, data)
             still = k > 0 and np.array_equal(q[k], q[k - 1])
             if still:
                 self.self_distance[k], self.self_pair[k] = self.self_distance[k - 1], self.self_pair[k - 1]
@@ -323,33 +349,16 @@ class Motion:
                 d = mujoco.mj_geomDistance(m, data, a, b, reach, fromto)
                 if d < self.self_distance[k]:
                     self.self_distance[k], self.self_pair[k] = d, i
-            for a, b in solids:
-                if radius[b] > 0:
-                    if np.abs(centre[a] - centre[b]).max() > radius[a] + radius[b] + reach:
-                        continue
-                elif centre[a][2] - centre[b][2] > radius[a] + reach:
-                    continue
+            lowest, highest = centre[links].min(axis=0), centre[links].max(axis=0)
+            near = plane | ((centre[world] + far.max(axis=0)[:, None] > lowest) & (centre[world] - far.max(axis=0)[:, None] < highest)).all(axis=1)
+            apart = centre[links][:, None] - centre[world[near]]
+            close = np.where(plane[near], apart[..., 2], np.abs(apart).max(axis=2)) <= far[:, near]
+            for a, b in zip(links[close.nonzero()[0]], world[near][close.nonzero()[1]]):
                 self.world_distance[k] = min(self.world_distance[k], mujoco.mj_geomDistance(m, data, a, b, reach, fromto))
         turn, self.attitude = turn.reshape(n, m.nbody, 3, 3), attitude.reshape(n, m.nbody, 3, 3)
-        weight = m.body_mass[bodies]
         self.place, turn = self.place[:, bodies], turn[:, bodies]
-        self.com = np.einsum("b,nbk->nk", weight, self.place) / robot.mass
-
-        # Momentum of each link about the world's origin halfway between the ticks, and its rate at the ticks.
-        velocity = np.diff(self.place, axis=0) / dt
-        spin = rotation_vector(turn[1:] @ np.swapaxes(turn[:-1], -1, -2)) / dt
-        half = turn[:-1] @ _small_rotation(rotation_vector(np.swapaxes(turn[:-1], -1, -2) @ turn[1:]) / 2)
-        inertia = m.body_inertia[bodies]
-        own = np.einsum("nbij,nbj->nbi", half, inertia * np.einsum("nbji,nbj->nbi", half, spin))
-        linear = weight[:, None] * velocity
-        angular = own + np.cross((self.place[1:] + self.place[:-1]) / 2, linear)
-        self.force = np.zeros((n, len(bodies), 3))  # of the world and the neighbours on each link, weight taken off
-        self.moment = np.zeros_like(self.force)  # about the world's origin
-        self.force[1:-1] = np.diff(linear, axis=0) / dt
-        self.moment[1:-1] = np.diff(angular, axis=0) / dt
-        lift = -m.opt.gravity * weight[:, None]
-        self.force += lift
-        self.moment += np.cross(self.place, lift)
+        self.com = np.einsum("b,nbk->nk", m.body_mass[bodies], self.place) / robot.mass
+        self.force, self.moment = link_wrenches(robot, self.place, turn, dt)
         self.total_force, self.total_moment = self.force.sum(axis=1), self.moment.sum(axis=1)
 
         # The same wrench from qvel, by central differences, as someone else might do it.
@@ -368,6 +377,84 @@ class Motion:
         self.trunk = self.attitude[:, robot.trunk]
 
 
+def link_wrenches(robot, place, turn, dt):
+    """Force and moment about the origin, of the world and the neighbours, on each link (N, link, 3), without its weight.
+
+    place (N, link, 3): centres of mass; turn (N, link, 3, 3): attitudes of the axes of inertia. At the first and the last
+    tick the rate of momentum is left out."""
+    weight, inertia = robot.m.body_mass[robot.bodies], robot.m.body_inertia[robot.bodies]
+    # Momentum of each link halfway between the ticks, and its rate at the ticks.
+    velocity = np.diff(place, axis=0) / dt
+    spin = rotation_vector(turn[1:] @ np.swapaxes(turn[:-1], -1, -2)) / dt
+    half = turn[:-1] @ _small_rotation(rotation_vector(np.swapaxes(turn[:-1], -1, -2) @ turn[1:]) / 2)
+    own = np.einsum("nbij,nbj->nbi", half, inertia * np.einsum("nbji,nbj->nbi", half, spin))
+    linear = weight[:, None] * velocity
+    angular = own + np.cross((place[1:] + place[:-1]) / 2, linear)
+    force, moment = np.zeros_like(place), np.zeros_like(place)
+    force[1:-1] = np.diff(linear, axis=0) / dt
+    moment[1:-1] = np.diff(angular, axis=0) / dt
+    lift = -robot.m.opt.gravity * weight[:, None]
+    return force + lift, moment + np.cross(place, lift)
+
+
+class Posture:
+    """Links, soles and COM of every tick, in the world: what the joints alone say, if the root is left at the origin."""
+
+    def __init__(self, robot, q):
+        m, n = robot.m, len(q)
+        data = mujoco.MjData(m)
+        self.place, self.turn = np.empty((n, len(robot.bodies), 3)), np.empty((n, len(robot.bodies), 9))
+        self.sole, self.sole_turn = np.empty((n, 2, 3)), np.empty((n, 2, 9))
+        for k in range(n):
+            data.qpos[:] = q[k]
+            mujoco.mj_kinematics(m, data)
+            self.place[k], self.turn[k] = data.xipos[robot.bodies], data.ximat[robot.bodies]
+            self.sole[k], self.sole_turn[k] = data.site_xpos[robot.sole_site], data.site_xmat[robot.sole_site]
+        self.turn, self.sole_turn = self.turn.reshape(n, -1, 3, 3), self.sole_turn.reshape(n, 2, 3, 3)
+        self.com = np.einsum("b,nbk->nk", m.body_mass[robot.bodies], self.place) / robot.mass
+
+
+class Springs:
+    """Normal forces of the contacts of the soles, by MuJoCo's contact law: what the springs and dampers that the model
+    states give for the depth of each contact and its rate. [MuJoCo, Computation: "Reference acceleration" and "Regularized
+    dynamics": f R = −b v − k d r, without the contact's own acceleration.]"""
+
+    def __init__(self, robot):
+        self.robot, self.rows = robot, []
+
+    def look(self, k, data):
+        m, contact = self.robot.m, data.contact
+        geom = contact.geom
+        for side, sole in enumerate(self.robot.sole_geom):
+            mine = geom == sole
+            for c in np.flatnonzero(mine.any(axis=1)):
+                other = geom[c, 0] if mine[c, 1] else geom[c, 1]
+                if m.geom_bodyid[other] != 0:
+                    continue
+                body = m.geom_bodyid[sole]
+                normal = contact.frame[c, :3] * (1 if mine[c, 1] else -1)
+                spin, speed = data.cvel[body, :3], data.cvel[body, 3:]
+                rate = normal @ (speed + np.cross(spin, contact.pos[c] - data.subtree_com[self.robot.root]))
+                self.rows.append((k, side, contact.dist[c], rate, normal[2], *contact.solref[c], *contact.solimp[c]))
+
+    def vertical(self, n):
+        """(N, side) [N]"""
+        force = np.zeros((n, 2))
+        if not self.rows:
+            return force
+        k, side, dist, rate, up, stiff, damp, d0, dw, width, mid, power = np.array(self.rows).T
+        x = np.clip(-dist / width, 0, 1)
+        y = np.where(x <= mid, x**power / mid ** (power - 1), 1 - (1 - x) ** power / (1 - mid) ** (power - 1))
+        d = d0 + y * (dw - d0)
+        with np.errstate(divide="ignore"):
+            spring = np.where(stiff > 0, 1 / (dw * stiff * damp) ** 2, -stiff / dw**2)
+            damper = np.where(stiff > 0, 2 / (dw * stiff), -damp / dw)
+        yields = self.robot.m.body_invweight0[np.array(self.robot.foot_body)[side.astype(int)], 0] * (1 - d) / d
+        normal = np.maximum(0, -spring * d * dist - damper * rate) / yields
+        np.add.at(force, (k.astype(int), side.astype(int)), normal * up)
+        return force
+
+
 def _small_rotation(w):
     """Rodrigues, (…, 3) → (…, 3, 3)."""
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
@@ -376,6 +463,13 @@ def _small_rotation(w):
     K -= np.swapaxes(K, -1, -2)
     safe = np.maximum(angle, 1e-12)
     return np.eye(3) + np.where(angle > 1e-9, np.sin(safe) / safe, 1) * K + np.where(angle > 1e-9, (1 - np.cos(safe)) / safe**2, 0.5) * (K @ K)
+
+
+def _turn_upright(up):
+    """The smallest rotation that makes this unit vector the z axis."""
+    w = np.cross(up, [0, 0, 1])
+    K = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+    return np.eye(3) + K + K @ K / (1 + up[2])
 
 
 def zmp(force, moment, height):
@@ -455,7 +549,7 @@ def check(trace_file, model_file, profile_file, on="ideal", report=None):
     n, dt = trace.ticks, profile["tick"]["period"]
     t, segment = trace.number["t"], trace.number["segment"]
     phase = np.array(trace.word["phase"])
-    q, v, target = trace.block("qpos_", m.nq), trace.block("qvel_", m.nv), trace.block("target_")
+    q, v, target = robot.configurations(trace.block("qpos_")), robot.velocities(trace.block("qvel_")), trace.block("target_")
     expected = [f"target_{name}" for name in robot.joint_names]
     if [name for name in trace.names if name.startswith("target_")] != expected:
         found.add("target_columns", 0, 0, "the joints in the order of the model")
@@ -474,7 +568,8 @@ def check(trace_file, model_file, profile_file, on="ideal", report=None):
         found.add("fall", np.flatnonzero(fallen), t[fallen], 0)
     up = ~fallen
 
-    motion = Motion(robot, q, v, dt)
+    springs = Springs(robot) if on == "sim" else None
+    motion = Motion(robot, q, v, dt, springs)
     contact = np.stack([trace.number[f"contact_{s}"] for s in SIDES], axis=1) > 0.5
     touch = np.stack([trace.number[f"touch_{s}"] for s in SIDES], axis=1) > 0.5
     load = np.stack([trace.number[f"force_{s}"] for s in SIDES], axis=1)
@@ -644,9 +739,9 @@ def _check_torque(found, robot, motion, contact, speed, q, dt, inside):
 
 def _check_soles(found, robot, motion, contact, hold, segment, limit, up, size):
     n = len(contact)
-    corners = motion.corners
     ground = Ground(robot)
-    slip, off, swing = np.zeros(n), np.zeros(n), np.full(n, np.inf)
+    corners = motion.corners @ ground.level.T
+    slip, off, swing, lifted = np.zeros(n), np.zeros(n), np.full(n, np.inf), np.zeros(n)
     for side in range(2):
         stands = contact[:, side]
         begins = stands & np.r_[True, ~stands[:-1]]
@@ -658,17 +753,13 @@ def _check_soles(found, robot, motion, contact, hold, segment, limit, up, size):
         z = corners[:, side, :, 2]
         off = np.maximum(off, np.where(stands, np.maximum(np.abs(z - highest[:, None]), np.abs(z - lowest[:, None])).max(axis=1), 0))
         swing = np.where(~stands, np.minimum(swing, z.min(axis=1) - highest), swing)
+        lifted = np.where(~stands, np.maximum(lifted, z.min(axis=1) - highest), lifted)
     found.at_most("sole_slip", slip, limit["slip"] * size, up)
     found.at_most("sole_off_ground", off, limit["ground"] * size, up)
     found.at_least("swing_above_ground", swing, -limit["swing"] * size, up & ~contact.all(axis=1))
     gap = polygon_gap(corners[:, 0, :, :2], corners[:, 1, :, :2])
     found.at_least("sole_gap", gap, robot.profile["region"]["sole_gap"] - limit["gap"] * size, up)
     # A sole that stays up between two motions is nobody's surprise; one that never rises is.
-    lifted = np.zeros(n)
-    for side in range(2):
-        air = ~contact[:, side]
-        highest, _ = ground.heights(corners[:, side, :, :2])
-        lifted = np.maximum(lifted, np.where(air, corners[:, side, :, 2].min(axis=1) - highest, 0))
     apex = []
     for s in np.unique(segment[segment >= 0]):
         part = segment == s
@@ -706,7 +797,7 @@ def count_commands(trace_file, model_file, profile_file, script):
     trace, robot = Trace(trace_file), Robot(model_file, profile_file)
     profile, m = robot.profile, robot.m
     dt, segment = profile["tick"]["period"], trace.number["segment"]
-    q, data = trace.block("qpos_", m.nq), mujoco.MjData(m)
+    q, data = robot.configurations(trace.block("qpos_")), mujoco.MjData(m)
     site = {p: robot.site(profile["parts"][p]) for p in ("left_foot", "right_foot", "left_hand", "right_hand")}
 
     def look(tick, part):
