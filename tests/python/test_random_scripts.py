@@ -78,13 +78,13 @@ class Run:
         return check_trace.check(self.trace, self.model, self.profile, self.on, self.report)
 
 
-def drive(folder, script, *, world, on="ideal", profile=MIGHTY, seconds=SECONDS, ends=0):
-    """A run of the program; script: lines of JSON; ends: the exit status wanted."""
+def drive(folder, script, *, world, on="ideal", profile=MIGHTY, seconds=SECONDS, ends=0, more=()):
+    """A run of the program; script: lines of JSON; ends: the exit status wanted; more: options."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "script.jsonl").write_text("".join(line + "\n" for line in script))
     outputs = ["--trace", folder / "trace.csv", "--save-model", folder / "model.xml", "--report", folder / "report.json"]
     command = [BATON, "drive", "--robot", profile, "--world", world, "--on", on, "--input", f"script:{folder / 'script.jsonl'}"]
-    run = subprocess.run([*command, "--seconds", str(seconds), "--headless", "--fast", *outputs], capture_output=True, text=True, timeout=120)
+    run = subprocess.run([*command, "--seconds", str(seconds), "--headless", "--fast", *outputs, *more], capture_output=True, text=True, timeout=120)
     assert run.returncode == ends, f"exit {run.returncode}: {run.stderr or run.stdout}"
     return Run(folder, pathlib.Path(profile), on, run.stdout)
 
