@@ -17,6 +17,9 @@ Odometry::Odometry(const RobotModel& robot, const World& world, StateSource sour
       kinematics_(robot),
       q_(start.q),
       dq_(VecX::Zero(robot.nv())),
+      attitude_(robot.imu_in_root().value_or(Pose{}), robot.profile().tick.period, robot.omega()),
+      yaw_drift_(robot.profile().tick.period),
+      zeros_(robot.mass() * kGravity, robot.profile().stance.com_height, robot.omega() * robot.profile().tick.period),
       imu_(robot.imu_in_root().value_or(Pose{}),
            yaw_of(Eigen::Quaterniond(start.q[3], start.q[4], start.q[5], start.q[6]).toRotationMatrix()),
            robot.profile().tick.period),
@@ -39,7 +42,9 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     return completed_;
   }
   const int n = robot_->nv() - 6;
-  const RootImu::RootMotion imu = imu_.update(measurement.imu);
+  completed_.imu.attitude = attitude_.update(measurement.imu, planned);
+  const RootImu::RootMotion imu = imu_.update(completed_.imu);
+  if (source_ == StateSource::sensors) zeros_.correct(completed_.sole, planned);
   speeds_.smooth(completed_.dq, planned.dq.tail(n));
   set_root(q_, {Vec3::Zero(), imu.R});
   q_.tail(n) = measurement.q;
@@ -55,6 +60,8 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     }
   }
   contact_.update(load_of(completed_.sole));
+  yaw_drift_.update({yaw_of(kinematics_.sole(Side::left).R), yaw_of(kinematics_.sole(Side::right).R)}, contact_, planned);
+  attitude_.set_yaw_drift(yaw_drift_.rate());
   legs_.update(kinematics_, dq_, imu.acceleration, contact_);
   legs_.shift(map_.correction(kinematics_, legs_.foothold(), contact_, planned.contact));
   completed_.root = RootMeasurement{{legs_.place(), imu.R}, legs_.velocity(), imu.rate};

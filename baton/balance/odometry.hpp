@@ -1,12 +1,15 @@
 /// State estimation of the root: attitude from the IMU, position from the soles in contact (docs/balance.md).
 #pragma once
 
+#include "baton/balance/attitude_filter.hpp"
+#include "baton/balance/force_zeros.hpp"
 #include "baton/balance/joint_speeds.hpp"
 #include "baton/balance/leg_odometry.hpp"
 #include "baton/balance/map_matching.hpp"
 #include "baton/balance/root_imu.hpp"
 #include "baton/balance/sole_wrenches.hpp"
 #include "baton/balance/state_source.hpp"
+#include "baton/balance/yaw_drift.hpp"
 #include "baton/motion/motion.hpp"
 
 namespace baton {
@@ -43,6 +46,9 @@ class Odometry {
   Measurement completed_;
   VecX q_;   ///< configuration with the root at the origin
   VecX dq_;  ///< velocity, without linear velocity of the root
+  AttitudeFilter attitude_;
+  YawDrift yaw_drift_;
+  ForceZeros zeros_;
   RootImu imu_;
   JointSpeeds speeds_;
   SoleWrenches wrenches_;

@@ -1,0 +1,37 @@
+#include "baton/balance/attitude_filter.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace baton {
+namespace {
+
+constexpr double kAttitudeRate = 0.03;  ///< at which roll and pitch follow the sensor's own [ω]
+constexpr double kGravityRate = 0.1;    ///< at which they follow the direction of gravity [ω]
+
+}  // namespace
+
+AttitudeFilter::AttitudeFilter(const Pose& imu_in_root, double period, double omega)
+    : root_in_imu_(imu_in_root.R.transpose()),
+      period_(period),
+      rate_attitude_(kAttitudeRate * omega),
+      rate_gravity_(kGravityRate * omega) {}
+
+const Mat3& AttitudeFilter::update(const Measurement::Imu& imu, const MotionSample& planned) {
+  if (std::exchange(first_, false)) return R_ = imu.attitude;
+  R_ = R_ * rotation_exp(period_ * imu.rate);
+  // The planned specific force, turned about the vertical to where the sensor is.
+  const Mat3 root = Eigen::Quaterniond(planned.q[3], planned.q[4], planned.q[5], planned.q[6]).toRotationMatrix();
+  const double yaw = yaw_of(R_ * root_in_imu_) - yaw_of(root);
+  const Vec3 expected = rotation_z(yaw) * (planned.ddq.head<3>() + Vec3(0, 0, kGravity));
+  const Vec3 felt = R_ * imu.acceleration;
+  Vec3 error = rate_attitude_ * rotation_error(rotation_z(-drifted_) * imu.attitude, R_) +
+               rate_gravity_ * felt.cross(expected) / expected.squaredNorm();
+  error.z() = 0.0;
+  R_ = rotation_exp(period_ * error) * R_;
+  drifted_ += period_ * yaw_drift_;
+  R_ = rotation_z(yaw_of(imu.attitude * root_in_imu_) - drifted_ - yaw_of(R_ * root_in_imu_)) * R_;
+  return R_;
+}
+
+}  // namespace baton

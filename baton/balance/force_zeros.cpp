@@ -1,0 +1,32 @@
+#include "baton/balance/force_zeros.hpp"
+
+#include <algorithm>
+
+namespace baton {
+namespace {
+
+constexpr double kLeaves = 0.3;   ///< time after lift-off for which a sole may still touch [1/ω]
+constexpr double kRate = 0.2;     ///< at which a zero follows its reading [ω]; several times as fast at first
+constexpr double kLargest = 0.6;  ///< readings beyond this are contact [weight]
+constexpr double kJump = 0.04;    ///< deviations that count as such at most: more is early contact [weight]
+
+}  // namespace
+
+void ForceZeros::correct(BySide<Wrench>& sole, const MotionSample& planned) {
+  for (const Side side : kSides) {
+    Wrench& zero = zero_[side];
+    double& airborne = airborne_[side];
+    airborne = planned.contact[side] ? 0.0 : airborne + period_;
+    const Vec3 off = sole[side].force - zero.force;
+    if (airborne > kLeaves && std::abs(sole[side].force.z()) < kLargest * weight_) {
+      const double follows = period_ * (known_[side] ? kRate : 10.0 * kRate);
+      zero.force += follows * (known_[side] ? bounded(off, kJump * weight_) : off);
+      zero.moment += follows * bounded(Vec3(sole[side].moment - zero.moment), kJump * weight_ * height_);
+      if (airborne > 2.0 * kLeaves) known_[side] = true;
+    }
+    sole[side].force -= zero.force;
+    sole[side].moment -= zero.moment;
+  }
+}
+
+}  // namespace baton
