@@ -12,6 +12,9 @@ struct Correction {
   Vec3 dcm_error = Vec3::Zero();    ///< measured − planned DCM, in the planning frame [m]
   Vec2 zmp = Vec2::Zero();          ///< commanded ZMP, in the planning frame [m]
   Vec2 zmp_deficit = Vec2::Zero();  ///< commanded − measured ZMP, low-passed: what the terrain fails to support [m]
+  /// Where the weight acts beside the model's COM: measured − planned ZMP, low-passed, beyond a dead band [m]. Standing,
+  /// payload, COM error and tilt cannot be told apart, so this is one number for all of them.
+  Vec2 weight_offset = Vec2::Zero();
 };
 
 class Stabiliser {
@@ -33,6 +36,7 @@ class Stabiliser {
  private:
   /// Updates the difference between commanded and measured ZMP.
   void compare_zmp(const MotionSample& now, const State& state);
+  void update_weight_offset(const MotionSample& now, const Vec2& measured);
   /// Horizontal moment that turns the trunk to its planned attitude and rate [N·m].
   /// @param trunk planned attitude, one tick after `trunk_`
   [[nodiscard]] Vec2 attitude_moment(const Mat3& trunk, const State& state) const;
@@ -51,6 +55,7 @@ class Stabiliser {
   bool first_ = true;
   JointTarget target_;
   Correction correction_;
+  Vec2 steady_zmp_ = Vec2::Zero();  ///< measured − planned ZMP, in the heading frame [m]
 };
 
 }  // namespace baton

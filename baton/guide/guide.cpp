@@ -83,7 +83,8 @@ GuideResult Guide::go_home(const GuideContext& context) const {
   arms_home(upright);
   const auto stand_on = [&](Goal goal) {
     goal.trunk = rotation_z(mean_yaw(goal.sole));
-    goal.com = 0.5 * (goal.sole.left.p + goal.sole.right.p) + Vec3(0, 0, profile.stance.com_height);
+    const Vec3 middle = 0.5 * (goal.sole.left.p + goal.sole.right.p);
+    goal.com = com_for(context, middle + Vec3(0, 0, profile.stance.com_height));
     return goal;
   };
   std::vector<Goal> goals;
@@ -154,7 +155,11 @@ Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
     sum += goal.sole[side].p;
     ++soles;
   }
-  return sum / soles + Vec3(0, 0, height);
+  return com_for(context, sum / soles + Vec3(0, 0, height));
+}
+
+Vec3 Guide::com_for(const GuideContext& context, const Vec3& at) {
+  return at - Vec3(context.weight_offset.x(), context.weight_offset.y(), 0.0);
 }
 
 void Guide::add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const {

@@ -31,6 +31,10 @@ struct GuideContext {
   std::optional<Step> step{};
   bool stick_held = false;  ///< a guided trunk then prefers stepping to shifting the COM
 
+  /// Where the robot's weight acts beside its model's COM, as a payload or a tilted IMU makes it: horizontal, in the
+  /// planning frame [m]. Goals keep the COM off by as much to the other side.
+  Vec2 weight_offset{Vec2::Zero()};
+
   double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
 
   Pose slip_free_frame{};   ///< where the planning frame would be in the world if no sole had slipped
@@ -164,6 +168,8 @@ class Guide {
   [[nodiscard]] Side farther_foot(const GuideContext& context, const Vec2& place) const;
   /// `goal` with a step to `sole`, and the COM above the middle of the feet.
   [[nodiscard]] Goal stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const;
+  /// Where the model's COM is when the weight acts at `at` [m].
+  [[nodiscard]] static Vec3 com_for(const GuideContext& context, const Vec3& at);
   /// COM position above the middle of the goal's soles in contact, at its current height above the soles in contact.
   [[nodiscard]] Vec3 com_above(const GuideContext& context, const Goal& goal) const;
 

@@ -54,14 +54,14 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const double yaw = yaw_of(goal.trunk);
   const ConvexPolygon support =
       support_polygon(*robot_, from.sole, from.contact, goal.com, support_plane(from.sole, from.contact));
-  const Vec2 target = goal.com.head<2>();
+  const Vec2 target = goal.com.head<2>() + context.weight_offset;
   const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
   const bool stands = support.margin(target) >= profile.margin.stand_on;
   std::vector<Goal> goals;
   const bool stays = stands && !turn && !context.step;
   const bool walks = context.stick_held && goal.guided == Part::trunk;
   // Without horizontal motion or turn, a step does not help.
-  if (stays && (target - from.com.head<2>()).norm() < same_place()) return std::vector<Goal>{goal};
+  if (stays && (goal.com - from.com).head<2>().norm() < same_place()) return std::vector<Goal>{goal};
   if (stays && !walks) goals.push_back(goal);
   std::optional<Refusal> refusal = add_steps(context, goal, turn, stride_region(), goals);
   if (goals.empty()) refusal = add_steps(context, goal, turn, foot_region(), goals);
@@ -83,7 +83,7 @@ Goal Guide::stepping(const GuideContext& context, const Goal& goal, Side side, c
   stepping.sole[side] = sole;
   // Above the middle of the feet, at the requested height above the soles in contact.
   const double height = goal.com.z() - context.from.support_height();
-  stepping.com = 0.5 * (stepping.sole.left.p + stepping.sole.right.p) + Vec3(0, 0, height);
+  stepping.com = com_for(context, 0.5 * (stepping.sole.left.p + stepping.sole.right.p) + Vec3(0, 0, height));
   return stepping;
 }
 
@@ -98,7 +98,7 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
                                         const FootRegion& region, std::vector<Goal>& goals) const {
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
-  const Vec2 target = goal.com.head<2>();
+  const Vec2 target = goal.com.head<2>() + context.weight_offset;
   const Side first = farther_foot(context, target);
   const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
   std::optional<Refusal> refusal;

@@ -20,6 +20,11 @@ Wrench ground_wrench(const Kinematics& kinematics, const VecX& force) {
   return wrench;
 }
 
+Wrench with_offset(Wrench wrench, const Vec2& offset) {
+  wrench.moment += Vec3(offset.x(), offset.y(), 0.0).cross(Vec3(0.0, 0.0, wrench.force.z()));
+  return wrench;
+}
+
 ConvexPolygon sole_outline(const RobotModel& robot, Side side, const Pose& sole) {
   std::vector<Vec2> points;
   for (const Vec2& vertex : robot.sole(side).vertices()) {

@@ -10,6 +10,7 @@ namespace baton {
 struct Limits {
   double zmp_plan = 0.0;         ///< least margin of the point-mass ZMP inside the support polygon [m]
   double zmp_verify = 0.0;       ///< the same for the whole-body ZMP [m]
+  Vec2 weight_offset{Vec2::Zero()};  ///< where the weight acts beside the COM, in the planning frame [m]
   double joint = 0.0;            ///< least distance of a joint from its position limits [rad]
   double torque = 0.0;           ///< largest share of the stall torque
   double acceleration = 0.0;     ///< largest joint acceleration [rad/s²]

@@ -16,7 +16,7 @@ constexpr double kReplacing = 0.1;      ///< time between two replacements of a 
 constexpr double kNearEdges = 2.0;      ///< distance of edges that soles may meet [largest distance of the feet]
 constexpr double kSlipByEdges = 0.5;    ///< displacement there at which a way back is ended [margin to edges]
 constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capture step leaves
-constexpr double kZmpDeficit = 0.02;    ///< ZMP that the ground does not give, and that does not count [COM height]
+constexpr double kZmpDeficit = 0.12;    ///< ZMP that the ground does not give, and that does not count [COM height]
 constexpr double kLeastCapture = 0.15;  ///< least length of a capture step: the push may go on [COM height]
 constexpr double kFarther = 1.5;        ///< ratio of lengths from which a longer capture step replaces one under way
 
@@ -154,9 +154,11 @@ Request Requests::on_the_way(int at) const {
   if (several) {
     // The same step again, to another goal.
     const Pose anchor = context.anchor;
+    const Vec2 weight_offset = context.weight_offset;
     const bool held = context.stick_held;
     context = answer.context;
     context.anchor = anchor;
+    context.weight_offset = weight_offset;
     context.stick_held = held;
     const int joints = now_.robot.nv() - 6;
     context.from.q.tail(joints) = motion_->end.q.tail(joints);
@@ -227,12 +229,14 @@ std::optional<Request> Requests::catching() const {
   const Vec2 error = (anchor.R.transpose() * Vec3(world_error.x(), world_error.y(), 0)).head<2>();
   // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
   const double size = error.norm();
-  const Vec2 holds = sample.zmp + (1.0 + kReserve) * error;
+  const Vec2 zmp = sample.zmp + now_.correction.weight_offset;
+  const Vec2 holds = zmp + (1.0 + kReserve) * error;
   const auto along = [&](const Vec2& v) { return v.dot(error) / size; };
-  double room = std::max(0.0, along(sample.zmp_region->nearest(holds) - sample.zmp));
+  double room = std::max(0.0, along(sample.zmp_region->nearest(holds) - zmp));
   // Soles that stand on edges do not take the ZMP where they should.
-  const double deficit = along(now_.correction.zmp_deficit) - kZmpDeficit * profile_.stance.com_height;
-  if (deficit > 0.0) room = std::clamp(along(now_.correction.zmp - sample.zmp) - deficit, 0.0, room);
+  const double deficit = along(now_.correction.zmp_deficit);
+  if (deficit > kZmpDeficit * profile_.stance.com_height)
+    room = std::clamp(along(now_.correction.zmp - zmp) - deficit, 0.0, room);
   if (sample.zmp_region->margin(holds) >= 0.0 && room >= size) return std::nullopt;
 
   const int lookahead = profile_.tick.lookahead;
@@ -347,6 +351,7 @@ GuideContext Requests::context_at_rest() const {
   GuideContext context{course_.rest(), anchor, course_.last_step(), course_.foothold()};
   if (motion_ != nullptr) course_.note_steps(context.last_step, context.foothold);
   context.slip_free_frame = course_.slip_free_frame();
+  context.weight_offset = now_.correction.weight_offset;
   // With a foot in the air it stays what that was to land with.
   context.place_uncertainty = both_stand(course_.sample().contact)
                                   ? bounded_uncertainty(now_.robot, now_.watch.odometry().uncertainty())

@@ -329,7 +329,7 @@ std::variant<Motion, Refusal> Planner::realise(const Segment& segment, const Can
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     targets = segment.targets(motion.com, timing, k * dt);
     const ComState com = motion.com.at(k * dt);
-    sample.com = com.p;
+    sample.com = com.p - segment.weight_offset();
     sample.dcom = com.dp;
     sample.sole = targets.sole;
     if (k == 0) {

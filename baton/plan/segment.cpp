@@ -49,10 +49,12 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
   std::vector<double> shares{1.0};
   contact_ = {both};
   std::vector<VrpKnot> knots;
-  // The COM continues with its current acceleration.
-  const Vec3 drive = from.com - from.ddcom / (robot.omega() * robot.omega());
+  // The pendulum is where the weight acts. It continues with its current acceleration.
+  const Vec3 start = from.com + weight_offset();
+  const Vec3 end = goal.com + weight_offset();
+  const Vec3 drive = start - from.ddcom / (robot.omega() * robot.omega());
   const auto wish = [&](double t, const Vec3& place, double weight) {
-    const Vec3 level = from.com + t / static_cast<double>(contact_.size()) * (goal.com - from.com);
+    const Vec3 level = start + t / static_cast<double>(contact_.size()) * (end - start);
     knots.push_back({t, Vec3(place.x(), place.y(), level.z()), weight});
   };
   // Besides the paper's knots at the phase boundaries there are some within each phase: otherwise the ZMP strays
@@ -60,7 +62,7 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
   // search: near its boundaries, for a quick transfer, and two in single support; durations then stay within 1.25 of
   // the lower bound.
   const std::array<double, 4>& w = profile.weights;
-  const Vec3 stance = goal.swing ? from.sole[other(*goal.swing)].p : from.com;
+  const Vec3 stance = goal.swing ? from.sole[other(*goal.swing)].p : start;
   switch (kind) {
     case Swing::step:
       shares.assign(step.begin(), step.end());
@@ -71,23 +73,23 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
         shares = {from.lift_off->remaining / first_duration_, swing / first_duration_, after / first_duration_};
       }
       contact_ = {both, only(other(*goal.swing)), both};
-      wish(0.0, from.com, w[0]);
-      wish(0.7, from.com, w[0]);
+      wish(0.0, start, w[0]);
+      wish(0.7, start, w[0]);
       wish(1.0, stance, w[1]);
       wish(1.33, stance, 0.5 * (w[1] + w[2]));
       wish(1.67, stance, 0.5 * (w[1] + w[2]));
       wish(2.0, stance, w[2]);
-      wish(2.3, goal.com, w[3]);
-      wish(3.0, goal.com, w[3]);
+      wish(2.3, end, w[3]);
+      wish(3.0, end, w[3]);
       break;
     case Swing::lift:
       shares.assign(profile.lift.begin(), profile.lift.end());
       contact_ = {both, only(other(*goal.swing))};
-      wish(0.0, from.com, w[0]);
-      wish(0.5, from.com, w[0]);
+      wish(0.0, start, w[0]);
+      wish(0.5, start, w[0]);
       wish(1.0, stance, w[1]);
       wish(1.5, stance, w[1]);
-      wish(2.0, goal.com, w[2]);
+      wish(2.0, end, w[2]);
       break;
     case Swing::lower:
       shares.assign(profile.lower.begin(), profile.lower.end());
@@ -96,29 +98,29 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
         shares = {from.flight->remaining / first_duration_, 1.0 - from.flight->remaining / first_duration_};
       }
       contact_ = {only(other(*goal.swing)), both};
-      wish(0.0, from.com, w[1]);
+      wish(0.0, start, w[1]);
       wish(0.5, stance, w[2]);
       wish(1.0, stance, w[2]);
-      wish(1.5, goal.com, w[3]);
-      wish(2.0, goal.com, w[3]);
+      wish(1.5, end, w[3]);
+      wish(2.0, end, w[3]);
       break;
     case Swing::air:
       contact_ = {only(other(*goal.swing))};
       [[fallthrough]];
     case Swing::none:
       for (int k = 0; k <= kShiftKnots; ++k)
-        wish(static_cast<double>(k) / kShiftKnots, 2 * k < kShiftKnots ? from.com : goal.com, 1.0);
+        wish(static_cast<double>(k) / kShiftKnots, 2 * k < kShiftKnots ? start : end, 1.0);
       break;
   }
   knots.front().wish = drive;
   const double plane = std::min(support_plane(from.sole, from.contact), support_plane(goal.sole, goal.contact));
-  com_ = {robot.omega(), from.com, from.dcom, goal.com, plane, limits.zmp_plan, {}, {}, std::move(knots)};
+  com_ = {robot.omega(), start, from.dcom, end, plane, limits.zmp_plan, {}, {}, std::move(knots)};
   if (!(from.contact_before.left && from.contact_before.right))
-    com_.at_start = support_polygon(robot, from.sole, from.contact_before, from.com, plane);
+    com_.at_start = support_polygon(robot, from.sole, from.contact_before, start, plane);
   for (std::size_t i = 0; i < shares.size(); ++i) {
     // Soles move only in swing: before it they are at the start, after it at the goal.
     const BySide<Pose>& sole = i == 0 ? from.sole : goal.sole;
-    const Vec3 com = from.com + (goal.com - from.com) * (static_cast<double>(i) / static_cast<double>(shares.size()));
+    const Vec3 com = start + (end - start) * (static_cast<double>(i) / static_cast<double>(shares.size()));
     com_.phases.push_back({shares[i], support_polygon(robot, sole, contact_[i], com, plane)});
   }
   if (goal.swing) {
@@ -239,7 +241,7 @@ Pose Segment::swing(double t, double duration) const {
 IkTargets Segment::targets(const ComPath& path, const Timing& timing, double t) const {
   const double T = timing.duration();
   IkTargets targets;
-  targets.com = path.at(t).p;
+  targets.com = path.at(t).p - weight_offset();
   targets.sole = from_.sole;
   if (const std::optional<std::size_t> phase = swing_phase()) {
     const double begin = timing.border[*phase] * timing.period;

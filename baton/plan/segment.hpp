@@ -23,7 +23,9 @@ class Segment {
   [[nodiscard]] const Goal& goal() const { return goal_; }
   [[nodiscard]] const Limits& limits() const { return limits_; }
 
+  /// The path of where the weight acts: the COM, displaced by `weight_offset`.
   [[nodiscard]] const ComProblem& com() const { return com_; }
+  [[nodiscard]] Vec3 weight_offset() const { return {limits_.weight_offset.x(), limits_.weight_offset.y(), 0.0}; }
 
   /// First duration to try [s].
   [[nodiscard]] double first_duration() const { return first_duration_; }

@@ -39,6 +39,8 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
       push_recovery_(Limits::push_recovery(robot.profile())) {}
 
 Answer Strategy::plan(const Request& request) {
+  for (Limits* limits : {&normal_, &uneven_ground_, &push_recovery_})
+    limits->weight_offset = request.start.context.weight_offset;
   if (request.intents.empty()) return attempt(request, intent_of(request.command));
   Answer answer;
   for (const Intent& intent : request.intents) {
@@ -272,6 +274,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   const Side up = end.contact.left ? Side::right : Side::left;
   GuideContext there{end, context.anchor, context.last_step, context.foothold};
   there.place_uncertainty = context.place_uncertainty;
+  there.weight_offset = context.weight_offset;
   GuideResult landings = guide_.landings(there, up);
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {

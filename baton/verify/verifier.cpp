@@ -116,9 +116,11 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
   const Limits& limits = bounds_.limits;
   auto& samples = motion.samples;
   MotionSample& sample = samples[static_cast<std::size_t>(tick)];
-  const Wrench total = ground_wrench(kinematics_, sample.force);
+  Wrench total = ground_wrench(kinematics_, sample.force);
   sample.zmp_height = support_plane(sample.sole, sample.contact);
   sample.zmp = total.zmp(sample.zmp_height);
+  total = with_offset(total, limits.weight_offset);
+  const Vec2 zmp = sample.zmp + limits.weight_offset;
   // At a phase border, the ZMP must lie in the support polygon of the soles that stand in both phases.
   const auto& before = tick == 0 ? motion.contact_before : samples[static_cast<std::size_t>(tick) - 1].contact;
   const BySide<bool> contact{sample.contact.left && before.left, sample.contact.right && before.right};
@@ -133,7 +135,7 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
     support_ = support(sample.contact);
     sample.zmp_region = std::make_shared<const ConvexPolygon>(support_.inset(robot_->profile().margin.zmp_feedback));
   }
-  const double inside = changes ? support(contact).margin(sample.zmp) : support_.margin(sample.zmp);
+  const double inside = changes ? support(contact).margin(zmp) : support_.margin(zmp);
   ledger.enter(Reason::zmp, Part::trunk, inside, limits.zmp_verify, t, -1);
   const double friction = total.force.head<2>().norm() / total.force.z();
   ledger.enter(Reason::friction, Part::trunk, friction, limits.friction, t, -1);
