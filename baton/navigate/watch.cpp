@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kDisturbed = 0.02;     ///< error of the DCM from which nothing new is begun [COM height]
 constexpr double kRecovered = 0.01;     ///< error below which the robot is no longer disturbed [COM height]
+constexpr double kSteady = 12.0;        ///< time constant of the error that is no disturbance [1/ω]
+constexpr double kMostSteady = 0.06;    ///< its bound [COM height]
 constexpr double kSinks = 4e-3;         ///< difference of heights that is how soles sink [COM height]
 constexpr double kFallenTilt = 0.7;     ///< inclination of the trunk from which it falls [rad]
 constexpr double kFallenHeight = 0.58;  ///< height of the COM below which it falls [nominal]
@@ -80,6 +82,7 @@ void Watch::fall() {
   guard_ticks_ = falling_ticks_ = 0;
   disturbed_ = slip_.now = slip_.found = false;
   dcm_error_.setZero();
+  steady_dcm_error_.setZero();
 }
 
 void Watch::arm() {
@@ -90,8 +93,14 @@ void Watch::arm() {
 void Watch::update_disturbed(const MotionSample& planned, const Pose& anchor) {
   const double omega = robot_->omega();
   const Vec3 error = state_->dcm(omega) - slid(planned) * Vec3(planned.com + planned.dcom / omega);
-  dcm_error_ = (anchor.R * error).head<2>();
-  disturbed_ = dcm_error_.norm() > (disturbed_ ? kRecovered : kDisturbed) * robot_->profile().stance.com_height;
+  const Eigen::Rotation2Dd heading(mean_yaw(planned.sole));
+  const Vec2 off = heading.inverse() * error.head<2>();
+  const double height = robot_->profile().stance.com_height;
+  const double follows = omega * robot_->profile().tick.period / kSteady;
+  steady_dcm_error_ = bounded(Vec2(steady_dcm_error_ + follows * (off - steady_dcm_error_)), kMostSteady * height);
+  const Vec2 rest = heading * Vec2(off - steady_dcm_error_);
+  dcm_error_ = (anchor.R * Vec3(rest.x(), rest.y(), 0)).head<2>();
+  disturbed_ = dcm_error_.norm() > (disturbed_ ? kRecovered : kDisturbed) * height;
 }
 
 void Watch::update_slip(const MotionSample& planned, const Pose& anchor) {

@@ -186,6 +186,29 @@ TEST(Scenario, MightyStaysOnItsFeet) {
   }
 }
 
+/// What is constantly off is found and allowed for: the robot neither falls nor freezes.
+TEST(Scenario, WhatIsConstantlyOffDoesNotStopMighty) {
+  const RobotModel& robot = test::robot("mighty");
+  const World flat = World::load("flat");
+  const std::atomic<bool> stop{false};
+  const auto run = [&](const char* name, double times) {
+    const Scenario& scenario = scenario_named(name);
+    Trial trial;
+    trial.on = Simulation::On::sim;
+    trial.seed = 7;
+    trial.seconds = 20.0;
+    trial.scenario = &scenario;
+    trial.times = times;
+    return Episodes(robot, flat, trial).run(0, stop);
+  };
+  const EpisodeResult exact = run("nominal", 1.0);
+  for (const auto& [name, times] : {std::pair{"payload", 2.0}, {"wander", 2.0}, {"mount", 2.0}, {"force_zero", 2.0}}) {
+    const EpisodeResult result = run(name, times);
+    EXPECT_EQ(result.summary["falls"], 0) << name;
+    EXPECT_GE(result.tally.moved, exact.tally.moved / 2) << name;
+  }
+}
+
 TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
