@@ -7,6 +7,7 @@ namespace baton {
 namespace {
 
 constexpr double kAttitudeRate = 0.03;  ///< at which roll and pitch follow the sensor's own [ω]
+constexpr double kMostOff = 0.2;        ///< deviation from it beyond which it is taken, as after a fall [rad]
 constexpr double kGravityRate = 0.1;    ///< at which they follow the direction of gravity [ω]
 
 }  // namespace
@@ -25,7 +26,9 @@ const Mat3& AttitudeFilter::update(const Measurement::Imu& imu, const MotionSamp
   const double yaw = yaw_of(R_ * root_in_imu_) - yaw_of(root);
   const Vec3 expected = rotation_z(yaw) * (planned.ddq.head<3>() + Vec3(0, 0, kGravity));
   const Vec3 felt = R_ * imu.acceleration;
-  Vec3 error = rate_attitude_ * rotation_error(rotation_z(-drifted_) * imu.attitude, R_) +
+  const Vec3 off = rotation_error(rotation_z(-drifted_) * imu.attitude, R_);
+  if (off.norm() > kMostOff) return R_ = rotation_z(-drifted_) * imu.attitude;
+  Vec3 error = rate_attitude_ * off +
                rate_gravity_ * felt.cross(expected) / expected.squaredNorm();
   error.z() = 0.0;
   R_ = rotation_exp(period_ * error) * R_;

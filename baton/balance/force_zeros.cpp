@@ -6,7 +6,9 @@ namespace baton {
 namespace {
 
 constexpr double kLeaves = 0.3;   ///< time after lift-off for which a sole may still touch [1/ω]
-constexpr double kRate = 0.2;     ///< at which a zero follows its reading [ω]; several times as fast at first
+constexpr double kKnown = 1.0;      ///< time in the air after which the zero is known [1/ω]
+constexpr double kFirstRate = 4.0;  ///< at which it follows its reading until then [ω]
+constexpr double kRate = 0.2;       ///< and from then on [ω]
 constexpr double kLargest = 0.6;  ///< readings beyond this are contact [weight]
 constexpr double kJump = 0.04;    ///< deviations that count as such at most: more is early contact [weight]
 
@@ -19,10 +21,10 @@ void ForceZeros::correct(BySide<Wrench>& sole, const MotionSample& planned) {
     airborne = planned.contact[side] ? 0.0 : airborne + period_;
     const Vec3 off = sole[side].force - zero.force;
     if (airborne > kLeaves && std::abs(sole[side].force.z()) < kLargest * weight_) {
-      const double follows = period_ * (known_[side] ? kRate : 10.0 * kRate);
+      const double follows = std::min(1.0, period_ * (known_[side] ? kRate : kFirstRate));
       zero.force += follows * (known_[side] ? bounded(off, kJump * weight_) : off);
       zero.moment += follows * bounded(Vec3(sole[side].moment - zero.moment), kJump * weight_ * height_);
-      if (airborne > 2.0 * kLeaves) known_[side] = true;
+      if (airborne > kKnown) known_[side] = true;
     }
     sole[side].force -= zero.force;
     sole[side].moment -= zero.moment;

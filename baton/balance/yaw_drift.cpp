@@ -10,7 +10,7 @@ constexpr double kFastest = 0.05;  ///< largest drift [rad/s]
 constexpr double kTwist = 1.0;     ///< turn of a sole that is a slip, not drift [rad/s]
 constexpr double kStill = 1e-3;    ///< planned speed at rest: norm over all joints [rad/s]
 constexpr double kTurns = 0.02;    ///< planned turn of the trunk in which soles twist one way [rad/s]
-constexpr double kWalking = 0.1;   ///< weight of a walking robot's soles against those at rest
+constexpr double kWalking = 0.02;  ///< weight of a walking robot's soles against those at rest
 constexpr double kMemory = 60.0;   ///< longest time of observation that counts [s]
 
 }  // namespace

@@ -218,7 +218,7 @@ class FuzzedRun {
           const double lean = size_ / robot_.profile().stance.com_height;
           for (const Side side : kSides)
             m.q[robot_.leg(side)[robot_.leg(side).size() - 2]] += lean;
-          m.imu.attitude = rotation_exp(Vec3(0.0, lean, 0.0)) * m.imu.attitude;
+          test::turn_imu(m, rotation_exp(Vec3(0.0, lean, 0.0)));
         }
         break;
       case Trouble::slips:

@@ -1,6 +1,8 @@
 // A robot that falls, is stood up again, or is lifted off the ground.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/turned_imu.hpp"
@@ -28,19 +30,30 @@ class GuardTest : public testing::TestWithParam<std::string> {
     }
   }
   void tick(double seconds, const Command& command) {
-    tick(seconds, command, [](Measurement&) {});
+    tick(seconds, command, leaning(0.0));
   }
 
   /// Its joints are elsewhere: the whole body leans forward over its ankles, its DCM 0.03 COM heights off.
   /// @param holds the ZMP goes far enough to hold it
-  [[nodiscard]] auto pushed(bool holds = true) const {
-    return [this, holds](Measurement& m) {
-      const double lean = 0.03;
+  [[nodiscard]] std::function<void(Measurement&)> pushed(bool holds = true) { return leaning(0.03, holds); }
+
+  /// It leans by that angle soon, and all sensors agree.
+  /// @param speed [rad/s]
+  [[nodiscard]] std::function<void(Measurement&)> leaning(double angle, bool holds = true, double speed = 0.25) {
+    return [this, angle, holds, speed](Measurement& m) {
+      const double period = robot_.profile().tick.period;
+      const double step = std::clamp(angle - lean_, -speed * period, speed * period);
+      lean_ += step;
+      if (lean_ == 0.0 && step == 0.0) return;
+      const double height = robot_.profile().stance.com_height;
+      // Else the ZMP goes the other way, as that of soles that tip over an edge.
+      const double zmp = holds ? 1.3 * lean_ : -0.15;
       for (const Side side : kSides) {
-        m.q[robot_.leg(side)[robot_.leg(side).size() - 2]] += lean;
-        if (holds) m.sole[side].moment.y() -= 1.3 * lean * robot_.profile().stance.com_height * m.sole[side].force.z();
+        m.q[robot_.leg(side)[robot_.leg(side).size() - 2]] += lean_;
+        m.sole[side].moment.y() -= zmp * height * m.sole[side].force.z();
       }
-      m.imu.attitude = rotation_exp(Vec3(0.0, lean, 0.0)) * m.imu.attitude;
+      test::turn_imu(m, rotation_exp(Vec3(0.0, lean_, 0.0)));
+      m.imu.rate += m.imu.attitude.transpose() * Vec3(0.0, step / period, 0.0);
     };
   }
 
@@ -65,6 +78,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
   Trip trip_{robot_};
   bool soft_ = false;
   double noise_ = 0.0;
+  double lean_ = 0.0;  ///< [rad]
 };
 
 INSTANTIATE_TEST_SUITE_P(Robots, GuardTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
@@ -144,7 +158,7 @@ TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
   navigator.answer(trip_.strategy().plan(*request));
   while (navigator.now() < request->at) {
     Measurement measurement = trip_.body().read();
-    pushed()(measurement);
+    leaning(0.03, true, 1.0)(measurement);
     navigator.tick(measurement, forward());
     navigator.poll();
   }
