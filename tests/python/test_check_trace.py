@@ -25,7 +25,7 @@ STAND = [{"t": 0.0, "guide": "trunk", "axes": [0, 0, 0, 0, 0, 0]}]
 
 def script(driving):
     lines = {"walk": WALK, "stand": STAND}.get(driving)
-    return random_script.lines(11, SECONDS, driving) if lines is None else [json.dumps(line) for line in lines]
+    return random_script.lines(103, SECONDS, driving) if lines is None else [json.dumps(line) for line in lines]
 
 
 # (driving, options of the program)
@@ -33,7 +33,7 @@ FORGED = {
     "walk": ("walk", []),
     "walk-real": ("walk", ["--plant", "real"]),
     "friendly": ("friendly", []),
-    "friendly-real": ("friendly", ["--plant", "real", "--seed", "2"]),
+    "friendly-real": ("friendly", ["--plant", "real", "--seed", "103"]),
     "stand": ("stand", []),
     "stand-real": ("stand", ["--plant", "real"]),
 }
