@@ -8,6 +8,12 @@ TRACE and MODEL are what `baton drive --trace TRACE --save-model MODEL` wrote. E
 the momentum of the links: their places are taken from MuJoCo's kinematics, everything else is worked out here by
 differences in time, so neither MuJoCo's dynamics nor the program's are trusted.
 
+With `--on sim`, measured columns are judged by the states and by the plan, within the tubes below (docs/trace.md):
+- forces and ZMP by the rates of momentum, from qpos and qvel (Newton-Euler), means of 50 ms;
+- the feet's shares by MuJoCo's contact law, from the depth of each contact;
+- the planned COM and ZMP by the planned joints, in the model of the profile;
+- COM, ZMP and joints by the planned ones, relative to the sole that stands.
+
 Prints a summary as JSON: `violations` (kind, tick, value, limit, count) and `numbers`, the worst of each quantity; with
 the script that was driven also `commands`: how many were given and how many moved what they guide.
 Exit 0 without, 1 with violations, 2 for files that cannot be read.
@@ -789,14 +795,19 @@ def _check_physics(found, robot, nominal, trace, motion, springs, planned, conta
     change[window:] = (angle[window:] - angle[:-window]) / (window * dt)
     judge.lasting("consistency", np.abs(change - moving_mean(speed, window)).max(axis=1), np.arange(n) >= window)
     moves = np.abs(speed).max(axis=1) > 0.05
-    joints = [(angle[:, j], x[:, j]) for j in range(angle.shape[1]) for x in (planned,)]
-    names = [("com_x", "com_plan_x"), ("com_y", "com_plan_y"), ("com_z", "com_plan_z"), ("zmp_x", "zmp_plan_x"), ("zmp_y", "zmp_plan_y")]
-    kept = [number[name] for name in ("zmp_x", "zmp_y", "com_x", "com_y", "com_z")]
-    copies = {
-        "copied": [*((number[a], number[b]) for a, b in names), *joints],
-        "frozen": [(x, np.r_[np.nan, x[:-1]]) for x in kept],
+    points = [(number[f"{point}_{axis}"], number[f"{point}_plan_{axis}"]) for point, axes in (("com", "xyz"), ("zmp", "xy")) for axis in axes]
+    pairs = {
+        "copied": [*points, *zip(angle.T, planned.T)],
+        "frozen": [(x, np.r_[np.nan, x[:-1]]) for x, _ in points],
     }
-    _check_copies(judge, copies, moves)
+    for kind, columns in pairs.items():
+        longest = max(_since((a == b) & moves & up).max() for a, b in columns)
+        found.at_most(kind, np.array([float(longest)]), COPIED)
+    # A touch is a hundredth of the weight that the profile's model has.
+    touch = np.stack([number[f"touch_{side}"] for side in SIDES], axis=1) > 0.5
+    threshold = -0.01 * nominal.mass * robot.m.opt.gravity[2]
+    wrong = ((touch != (load > threshold)) & (np.abs(load - threshold) > 1e-6 * threshold)).any(axis=1) & up
+    found.add("touch_force", np.flatnonzero(wrong), load.min(axis=1)[wrong], threshold)
 
 
 class Measured:
@@ -915,14 +926,6 @@ def _check_plan(judge, robot, trace, motion, planned, contact, said, segment):
         error = np.linalg.norm(error, axis=1)
         judge.lasting(kind, error)
         judge.whole(f"{kind}_rms", np.sqrt((error[up] ** 2).mean()) if up.any() else 0.0)
-
-
-def _check_copies(judge, pairs, moves):
-    """Columns that are the same, digit for digit, for longer than COPIED ticks in which the robot moves: measured and
-    planned ones, or a measured one and itself a tick earlier. pairs: {kind: [(column, column)]}"""
-    for kind, columns in pairs.items():
-        longest = max(_since((a == b) & moves & judge.up).max() for a, b in columns)
-        judge.found.at_most(kind, np.array([float(longest)]), COPIED)
 
 
 def _length(profile):

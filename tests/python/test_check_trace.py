@@ -186,7 +186,9 @@ IN_MOTION = {
     "states 50 ms late": (states_late(10), {"lag"}),
     "states 50 ms early": (states_late(-10), {"lag"}),
 }
-CASES = [(name, forgery) for forgery in ANYWHERE for name in FORGED] + [(name, forgery) for forgery in IN_MOTION for name in MOVING]
+# Two of three, in turn, to save time.
+CASES = [(name, forgery) for i, forgery in enumerate(ANYWHERE) for k, name in enumerate(FORGED) if (i + k) % 3]
+CASES += [(name, forgery) for forgery in IN_MOTION for name in MOVING]
 CASES = [(*case, ("all", "stretch")[i % 2]) for i, case in enumerate(CASES)]
 
 
