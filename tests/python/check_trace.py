@@ -8,6 +8,12 @@ TRACE and MODEL are what `baton drive --trace TRACE --save-model MODEL` wrote. E
 the momentum of the links: their places are taken from MuJoCo's kinematics, everything else is worked out here by
 differences in time, so neither MuJoCo's dynamics nor the program's are trusted.
 
+With `--on sim`, measured columns are judged by the states and by the plan, within the tubes below (docs/trace.md):
+- forces and ZMP by the rates of momentum, from qpos and qvel (Newton-Euler), means of 50 ms;
+- the feet's shares by MuJoCo's contact law, from the depth of each contact;
+- the planned COM and ZMP by the planned joints, in the model of the profile;
+- COM, ZMP and joints by the planned ones, relative to the sole that stands.
+
 Prints a summary as JSON: `violations` (kind, tick, value, limit, count) and `numbers`, the worst of each quantity; with
 the script that was driven also `commands`: how many were given and how many moved what they guide.
 Exit 0 without, 1 with violations, 2 for files that cannot be read.
@@ -33,6 +39,7 @@ ON_LIMITS = {
         "speed": 1.0,  # of the profile's share of the no-load speed
         "consistency": 0.35,  # [rad/s] step of qpos against the mean of qvel at its ends
         "slip": 1e-4,  # [m] of a planned sole, within a phase
+        "yaw": 0.006,  # [rad] of the soles against each other, beyond their region
         "ground": 3e-4,  # [m] of a planned sole, against the ground
         "swing": 3e-4,  # [m] of a swing sole below the ground
         "gap": 1e-4,  # [m]
@@ -46,13 +53,14 @@ ON_LIMITS = {
     "sim": {
         "range": 0.02,  # limits are springs
         "speed": 1.0 / 0.85,
-        "slip": 0.01,
+        "slip": 0.02,
+        "yaw": 0.6,
         "ground": 0.02,
         "swing": 0.01,
         "gap": 0.009,
         "self": 0.004,
         "rest": 0.6,
-        "report_zmp": 1e-3,
+        "report_zmp": 2e-3,
         "tilt": 0.15,
     },
 }
@@ -63,12 +71,14 @@ ON_LIMITS = {
 # long, even within a moving mean.
 WINDOW = 0.05  # [s] of a moving mean: forces are sampled once a tick, and contacts shake
 PATIENCE = 0.15  # [s]
+LAG_PATIENCE = 0.25  # [s] for lags
+SPLIT_WINDOW = 0.5  # [s] of the median of the error of the feet's shares: a contact in motion also has an acceleration
 BEGINNING = 0.5  # [s]
 FALL = 1.0  # [s] before a fall nothing is judged by these
 TUBES = {
     # Lengths [m] are those of a robot with the COM height of mighty, for others in proportion.
-    # Honest runs of 20 s (model, real, and seven scenarios of docs/balance.md) reach about half of each.
-    "newton_force": 0.06,  # [weight] vertical force against the rate of momentum
+    # Honest runs of 12 to 20 s, of --plant model and real and of most scenarios of docs/balance.md, stay inside.
+    "newton_force": 0.10,  # [weight] vertical force against the rate of momentum
     "newton_mean": 0.03,  # [weight] the same, mean of the run
     "newton_zmp": 0.010,  # measured ZMP against that of the rates of momentum
     "lag": 0.02,  # [s] between those two, in windows of 1 s
@@ -76,13 +86,13 @@ TUBES = {
     "load_split": 0.15,  # share of each foot in the vertical force, against the springs of its contacts
     "plan_step": 0.002,  # jump of a planned standing sole, by planned joints and planned COM, from tick to tick
     "plan_step_between": 0.010,  # the same where motions meet, and the plan is aligned with the soles
-    "plan_zmp": 0.007,  # planned ZMP against that of the planned joints, relative to the planned COM
+    "plan_zmp": 0.012,  # planned ZMP against that of the planned joints, relative to the planned COM
     "place_begin": 0.012,  # standing sole, planned against true, until BEGINNING
-    "place": 0.030,  # later, beyond
+    "place": 0.060,  # later, beyond
     "place_share": 0.05,  # this share of the way: odometry drifts
-    "com": 0.020,  # COM relative to the standing sole, planned against true
+    "com": 0.030,  # COM relative to the standing sole, planned against true
     "com_rms": 0.010,
-    "zmp": 0.045,  # ZMP relative to the standing sole, planned against measured
+    "zmp": 0.060,  # ZMP relative to the standing sole, planned against measured
     "zmp_rms": 0.025,
     "joint": 0.25,  # [rad] joint angles, planned against true: a sole may be inclined by 0.2 rad against its plan
     "joint_rms": 0.05,  # [rad]
@@ -785,14 +795,19 @@ def _check_physics(found, robot, nominal, trace, motion, springs, planned, conta
     change[window:] = (angle[window:] - angle[:-window]) / (window * dt)
     judge.lasting("consistency", np.abs(change - moving_mean(speed, window)).max(axis=1), np.arange(n) >= window)
     moves = np.abs(speed).max(axis=1) > 0.05
-    joints = [(angle[:, j], x[:, j]) for j in range(angle.shape[1]) for x in (planned,)]
-    names = [("com_x", "com_plan_x"), ("com_y", "com_plan_y"), ("com_z", "com_plan_z"), ("zmp_x", "zmp_plan_x"), ("zmp_y", "zmp_plan_y")]
-    kept = [number[name] for name in ("zmp_x", "zmp_y", "com_x", "com_y", "com_z")]
-    copies = {
-        "copied": [*((number[a], number[b]) for a, b in names), *joints],
-        "frozen": [(x, np.r_[np.nan, x[:-1]]) for x in kept],
+    points = [(number[f"{point}_{axis}"], number[f"{point}_plan_{axis}"]) for point, axes in (("com", "xyz"), ("zmp", "xy")) for axis in axes]
+    pairs = {
+        "copied": [*points, *zip(angle.T, planned.T)],
+        "frozen": [(x, np.r_[np.nan, x[:-1]]) for x, _ in points],
     }
-    _check_copies(judge, copies, moves)
+    for kind, columns in pairs.items():
+        longest = max(_since((a == b) & moves & up).max() for a, b in columns)
+        found.at_most(kind, np.array([float(longest)]), COPIED)
+    # A touch is a hundredth of the weight that the profile's model has.
+    touch = np.stack([number[f"touch_{side}"] for side in SIDES], axis=1) > 0.5
+    threshold = -0.01 * nominal.mass * robot.m.opt.gravity[2]
+    wrong = ((touch != (load > threshold)) & (np.abs(load - threshold) > 1e-6 * threshold)).any(axis=1) & up
+    found.add("touch_force", np.flatnonzero(wrong), load.min(axis=1)[wrong], threshold)
 
 
 class Measured:
@@ -800,14 +815,14 @@ class Measured:
 
     def __init__(self, found, up, size, dt):
         self.found, self.up, self.size, self.dt = found, up, size, dt
-        self.window, self.patience = round(WINDOW / dt), round(PATIENCE / dt)
+        self.window = round(WINDOW / dt)
 
     def limit(self, kind):
         is_length = not kind.startswith(("newton_force", "newton_mean", "load", "joint", "consistency")) and kind != "lag"
         return TUBES[kind] * (self.size if is_length else 1)
 
-    def lasting(self, kind, error, where=True):
-        self.found.at_most(kind, sustained(np.where(self.up & where, error, 0), self.patience), self.limit(kind))
+    def lasting(self, kind, error, where=True, patience=PATIENCE):
+        self.found.at_most(kind, sustained(np.where(self.up & where, error, 0), round(patience / self.dt)), self.limit(kind))
 
     def each(self, kind, error, where=True):
         self.found.at_most(kind, np.where(self.up & where, error, 0), self.limit(kind))
@@ -846,12 +861,16 @@ def _check_forces(judge, robot, motion, load, said, springs, height):
         miss[i] = moving_mean(np.where(known, (np.nan_to_num(centre - moved) ** 2).sum(axis=1), 0), round(1 / judge.dt))
     now = miss[LONGEST_LAG]
     shifted = (now > judge.limit("lag_least") ** 2) & (now > 4 * miss.min(axis=0))
-    judge.lasting("lag", np.where(shifted, np.abs(lags[miss.argmin(axis=0)]) * judge.dt, 0))
+    judge.lasting("lag", np.where(shifted, np.abs(lags[miss.argmin(axis=0)]) * judge.dt, 0), patience=LAG_PATIENCE)
     share = []
     for each in (load, springs):
         mean = moving_mean(each, window)
         share.append(mean / np.maximum(mean.sum(axis=1), 0.05 * weight)[:, None])
-    judge.lasting("load_split", np.abs(share[0] - share[1]).max(axis=1))
+    # Not what lasts: a forged share that changes sides has no error in between.
+    off = np.where(judge.up, np.abs(share[0] - share[1]).max(axis=1), 0)
+    ticks = min(round(SPLIT_WINDOW / judge.dt), n)
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(off, ticks), axis=1)
+    judge.each("load_split", np.r_[np.zeros(ticks - 1), middle])
 
 
 def _check_plan(judge, robot, trace, motion, planned, contact, said, segment):
@@ -907,14 +926,6 @@ def _check_plan(judge, robot, trace, motion, planned, contact, said, segment):
         error = np.linalg.norm(error, axis=1)
         judge.lasting(kind, error)
         judge.whole(f"{kind}_rms", np.sqrt((error[up] ** 2).mean()) if up.any() else 0.0)
-
-
-def _check_copies(judge, pairs, moves):
-    """Columns that are the same, digit for digit, for longer than COPIED ticks in which the robot moves: measured and
-    planned ones, or a measured one and itself a tick earlier. pairs: {kind: [(column, column)]}"""
-    for kind, columns in pairs.items():
-        longest = max(_since((a == b) & moves & judge.up).max() for a, b in columns)
-        judge.found.at_most(kind, np.array([float(longest)]), COPIED)
 
 
 def _length(profile):
@@ -990,8 +1001,7 @@ def _check_soles(found, robot, ground, motion, contact, hold, segment, limit, up
     ahead = [corners[:, side, 0] - corners[:, side, 1] for side in range(2)]
     yaw = [np.arctan2(a[:, 1], a[:, 0]) for a in ahead]
     between = np.abs((yaw[1] - yaw[0] + np.pi) % (2 * np.pi) - np.pi)
-    slack = limit["slip"] * 3
-    found.at_most("foot_yaw", between, region["foot_yaw"] + slack / 0.05, rest)
+    found.at_most("foot_yaw", between, region["foot_yaw"] + limit["yaw"], rest)
     # The box's centre is the profile's sole centre plus a constant; distances between the soles are what counts.
     delta = site[:, 0] - site[:, 1]
     found.at_most("feet_apart", np.hypot(delta[:, 0], delta[:, 1]), np.hypot(region["foot_x"][1], region["foot_lateral"][1]) + 0.01 * size, rest)

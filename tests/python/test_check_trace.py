@@ -25,7 +25,7 @@ STAND = [{"t": 0.0, "guide": "trunk", "axes": [0, 0, 0, 0, 0, 0]}]
 
 def script(driving):
     lines = {"walk": WALK, "stand": STAND}.get(driving)
-    return random_script.lines(11, SECONDS, driving) if lines is None else [json.dumps(line) for line in lines]
+    return random_script.lines(103, SECONDS, driving) if lines is None else [json.dumps(line) for line in lines]
 
 
 # (driving, options of the program)
@@ -33,7 +33,7 @@ FORGED = {
     "walk": ("walk", []),
     "walk-real": ("walk", ["--plant", "real"]),
     "friendly": ("friendly", []),
-    "friendly-real": ("friendly", ["--plant", "real", "--seed", "2"]),
+    "friendly-real": ("friendly", ["--plant", "real", "--seed", "103"]),
     "stand": ("stand", []),
     "stand-real": ("stand", ["--plant", "real"]),
 }
@@ -186,7 +186,9 @@ IN_MOTION = {
     "states 50 ms late": (states_late(10), {"lag"}),
     "states 50 ms early": (states_late(-10), {"lag"}),
 }
-CASES = [(name, forgery) for forgery in ANYWHERE for name in FORGED] + [(name, forgery) for forgery in IN_MOTION for name in MOVING]
+# Two of three, in turn, to save time.
+CASES = [(name, forgery) for i, forgery in enumerate(ANYWHERE) for k, name in enumerate(FORGED) if (i + k) % 3]
+CASES += [(name, forgery) for forgery in IN_MOTION for name in MOVING]
 CASES = [(*case, ("all", "stretch")[i % 2]) for i, case in enumerate(CASES)]
 
 
