@@ -1,7 +1,8 @@
 #include "baton/balance/attitude_filter.hpp"
 
-#include <cmath>
 #include <utility>
+
+#include "baton/balance/specific_force.hpp"
 
 namespace baton {
 namespace {
@@ -21,15 +22,11 @@ AttitudeFilter::AttitudeFilter(const Pose& imu_in_root, double period, double om
 const Mat3& AttitudeFilter::update(const Measurement::Imu& imu, const MotionSample& planned) {
   if (std::exchange(first_, false)) return R_ = imu.attitude;
   R_ = R_ * rotation_exp(period_ * imu.rate);
-  // The planned specific force, turned about the vertical to where the sensor is.
-  const Mat3 root = Eigen::Quaterniond(planned.q[3], planned.q[4], planned.q[5], planned.q[6]).toRotationMatrix();
-  const double yaw = yaw_of(R_ * root_in_imu_) - yaw_of(root);
-  const Vec3 expected = rotation_z(yaw) * (planned.ddq.head<3>() + Vec3(0, 0, kGravity));
+  const Vec3 expected = heading_from_plan(R_ * root_in_imu_, planned) * planned_specific_force(planned);
   const Vec3 felt = R_ * imu.acceleration;
   const Vec3 off = rotation_error(rotation_z(-drifted_) * imu.attitude, R_);
   if (off.norm() > kMostOff) return R_ = rotation_z(-drifted_) * imu.attitude;
-  Vec3 error = rate_attitude_ * off +
-               rate_gravity_ * felt.cross(expected) / expected.squaredNorm();
+  Vec3 error = rate_attitude_ * off + rate_gravity_ * felt.cross(expected) / expected.squaredNorm();
   error.z() = 0.0;
   R_ = rotation_exp(period_ * error) * R_;
   drifted_ += period_ * yaw_drift_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "baton/balance/check_limits.hpp"
+#include "baton/balance/specific_force.hpp"
 
 namespace baton {
 namespace {
@@ -24,11 +25,6 @@ constexpr double kStuckForce = 0.5;   ///< error of an accelerometer that gives 
 
 bool is_rotation(const Mat3& R) {
   return R.allFinite() && (R * R.transpose() - Mat3::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
-
-/// By plan, in the planning frame [m/s²].
-Vec3 specific_force(const MotionSample& planned) {
-  return planned.ddq.head<3>() + Vec3(0, 0, kGravity);
 }
 
 }  // namespace
@@ -56,7 +52,7 @@ ImuCheck::Accepted ImuCheck::check(const Measurement::Imu& imu, const MotionSamp
   const double follows = first_ ? 1.0 : period_ / check::kMemory;
   measured_force_ = turned.transpose() * measured_force_;
   measured_force_ += follows * (imu_.acceleration - measured_force_);
-  planned_force_ += follows * (specific_force(planned) - planned_force_);
+  planned_force_ += follows * (planned_specific_force(planned) - planned_force_);
   accepted.attitude = attitude_accepted(imu.attitude, predicted);
   if (!accepted.attitude && valid && turned_.norm() <= kTurns && contradicted_ >= kConfirm &&
       gravity_agrees(imu.attitude, predicted, planned)) {
@@ -118,12 +114,11 @@ bool ImuCheck::gravity_agrees(const Mat3& attitude, const Mat3& predicted, const
 }
 
 Vec3 ImuCheck::planned_force(const Mat3& attitude, const MotionSample& planned) const {
-  return attitude.transpose() * heading(attitude, planned) * specific_force(planned);
+  return attitude.transpose() * heading(attitude, planned) * planned_specific_force(planned);
 }
 
 Mat3 ImuCheck::heading(const Mat3& attitude, const MotionSample& planned) const {
-  const Mat3 root = Eigen::Quaterniond(planned.q[3], planned.q[4], planned.q[5], planned.q[6]).toRotationMatrix();
-  return rotation_z(yaw_of(attitude * in_root_.R.transpose()) - yaw_of(root));
+  return heading_from_plan(attitude * in_root_.R.transpose(), planned);
 }
 
 }  // namespace baton
