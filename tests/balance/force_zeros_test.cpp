@@ -17,11 +17,12 @@ MotionSample standing_on(bool left, bool right) {
   return sample;
 }
 
-/// A sole that carries half of the weight, or hangs in the air.
+/// The soles that stand share the weight.
 BySide<Wrench> forces(const MotionSample& planned) {
   BySide<Wrench> sole;
+  const double load = planned.contact.left && planned.contact.right ? 0.5 * kWeight : kWeight;
   for (const Side side : kSides) {
-    if (planned.contact[side]) sole[side] = {Vec3(1.0, -0.5, 0.5 * kWeight), Vec3(0.1, 0.2, 0.0)};
+    if (planned.contact[side]) sole[side] = {Vec3(1.0, -0.5, load), Vec3(0.1, 0.2, 0.0)};
   }
   return sole;
 }
@@ -60,6 +61,16 @@ TEST(ForceZeros, AreNotLearnedStanding) {
     ASSERT_EQ(sole, forces(planned));
   }
   EXPECT_FALSE(zeros.known().left || zeros.known().right);
+}
+
+TEST(ForceZeros, AreNotLearnedFromAFootThatStandsUnplanned) {
+  // As after a fall, when the robot was stood up on both feet and the last plan stood on one.
+  ForceZeros zeros(kWeight, kHeight, kPeriod);
+  for (int tick = 0; tick < 4000; ++tick) {
+    BySide<Wrench> sole = forces(standing_on(true, true));
+    zeros.correct(sole, standing_on(true, false));
+    ASSERT_EQ(sole, forces(standing_on(true, true))) << tick;
+  }
 }
 
 TEST(ForceZeros, AFootThatLandsTooEarlyTellsLittle) {
