@@ -51,7 +51,9 @@ ImuCheck::Accepted ImuCheck::check(const Measurement::Imu& imu, const MotionSamp
 
   const double follows = first_ ? 1.0 : period_ / check::kMemory;
   measured_force_ = turned.transpose() * measured_force_;
-  measured_force_ += follows * (imu_.acceleration - measured_force_);
+  // As measured, though the prediction contradicts it: else a wrong prediction would confirm itself.
+  const bool in_range = imu.acceleration.norm() <= kRange;
+  measured_force_ += follows * ((in_range ? imu.acceleration : force) - measured_force_);
   planned_force_ += follows * (planned_specific_force(planned) - planned_force_);
   accepted.attitude = attitude_accepted(imu.attitude, predicted);
   if (!accepted.attitude && valid && turned_.norm() <= kTurns && contradicted_ >= kConfirm &&
