@@ -204,22 +204,17 @@ class FuzzedRun {
 
   /// What the trouble does to the measurement. With a perfect state the root is elsewhere or faster; by sensors, a push
   /// leans the robot over its ankles, and a slip twists a leg.
-  void spoil(Measurement& m) const {
+  void spoil(Measurement& m) {
     const bool perfect = source_ == StateSource::perfect;
     const bool soft = navigator_.guard() == Guard::fallen || navigator_.guard() == Guard::stood_up;
     if (perfect) m.root->pose.p += slid_ + (trouble_ == Trouble::slips ? slide_ : Vec3::Zero());
+    if (!perfect && !soft)  // or the joints would go where they are measured
+      lean_.apply(m, trouble_ == Trouble::pushed ? size_ / robot_.profile().stance.com_height : 0.0);
     switch (trouble_) {
       case Trouble::none:
         break;
       case Trouble::pushed:
-        if (perfect) {
-          m.root->velocity += size_ * robot_.omega() * direction_;
-        } else if (!soft) {  // or the joints would go where they are measured
-          const double lean = size_ / robot_.profile().stance.com_height;
-          for (const Side side : kSides)
-            m.q[robot_.leg(side)[robot_.leg(side).size() - 2]] += lean;
-          test::turn_imu(m, rotation_exp(Vec3(0.0, lean, 0.0)));
-        }
+        if (perfect) m.root->velocity += size_ * robot_.omega() * direction_;
         break;
       case Trouble::slips:
         if (!perfect && !soft) m.q[robot_.leg(Side::left).front()] += 0.3 * direction_.x();
@@ -387,7 +382,8 @@ class FuzzedRun {
     ASSERT_EQ(purpose == Purpose::capture, answer->capture() != nullptr) << k;
     ASSERT_EQ(purpose == Purpose::stop, stops && answer->capture() == nullptr) << k;
     const Profile& profile = robot_.profile();
-    const Limits limits = answer->capture() != nullptr ? Limits::push_recovery(profile) : Limits::normal(profile);
+    Limits limits = answer->capture() != nullptr ? Limits::push_recovery(profile) : Limits::normal(profile);
+    limits.com_offset = answer->context.com_offset;
     ASSERT_TRUE(std::holds_alternative<VerifiedMotion>(verifier_.verify(*motion, navigator_.anchor(), limits))) << k;
     ++(answer->capture() != nullptr ? tally_.catches : stops ? tally_.stops : tally_.ordinary);
     if (stops || answer->capture() != nullptr) return;
@@ -415,6 +411,7 @@ class FuzzedRun {
   std::vector<Sent> sent_;
   Trouble trouble_ = Trouble::none;
   long ticks_left_ = 0;
+  test::Lean lean_{robot_};
   Vec3 direction_ = Vec3::Zero();
   double size_ = 0.0;          ///< of a push: how far the DCM is off [m]
   Vec3 slide_ = Vec3::Zero();  ///< of a slip [m]

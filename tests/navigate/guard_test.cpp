@@ -29,9 +29,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
       if (const auto request = trip_.navigator().request()) trip_.navigator().answer(trip_.strategy().plan(*request));
     }
   }
-  void tick(double seconds, const Command& command) {
-    tick(seconds, command, leaning(0.0));
-  }
+  void tick(double seconds, const Command& command) { tick(seconds, command, leaning(0.0)); }
 
   /// Its joints are elsewhere: the whole body leans forward over its ankles, its DCM 0.03 COM heights off.
   /// @param holds the ZMP goes far enough to hold it
@@ -41,19 +39,12 @@ class GuardTest : public testing::TestWithParam<std::string> {
   /// @param speed [rad/s]
   [[nodiscard]] std::function<void(Measurement&)> leaning(double angle, bool holds = true, double speed = 0.25) {
     return [this, angle, holds, speed](Measurement& m) {
-      const double period = robot_.profile().tick.period;
-      const double step = std::clamp(angle - lean_, -speed * period, speed * period);
-      lean_ += step;
-      if (lean_ == 0.0 && step == 0.0) return;
-      const double height = robot_.profile().stance.com_height;
+      lean_.apply(m, angle, speed);
+      if (lean_.angle() == 0.0) return;
       // Else the ZMP goes the other way, as that of soles that tip over an edge.
-      const double zmp = holds ? 1.3 * lean_ : -0.15;
-      for (const Side side : kSides) {
-        m.q[robot_.leg(side)[robot_.leg(side).size() - 2]] += lean_;
-        m.sole[side].moment.y() -= zmp * height * m.sole[side].force.z();
-      }
-      test::turn_imu(m, rotation_exp(Vec3(0.0, lean_, 0.0)));
-      m.imu.rate += m.imu.attitude.transpose() * Vec3(0.0, step / period, 0.0);
+      const double zmp = (holds ? 1.3 * lean_.angle() : -0.15) * robot_.profile().stance.com_height;
+      for (const Side side : kSides)
+        m.sole[side].moment.y() -= zmp * m.sole[side].force.z();
     };
   }
 
@@ -78,7 +69,7 @@ class GuardTest : public testing::TestWithParam<std::string> {
   Trip trip_{robot_};
   bool soft_ = false;
   double noise_ = 0.0;
-  double lean_ = 0.0;  ///< [rad]
+  test::Lean lean_{robot_};
 };
 
 INSTANTIATE_TEST_SUITE_P(Robots, GuardTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
