@@ -53,8 +53,7 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
   const Scenario* scenario = options.scenario ? &scenario_named(*options.scenario) : nullptr;
   if (scenario != nullptr) check_times(*scenario, options.times);
   SimulatedRobot::Parameters parameters;
-  parameters.plant =
-      plant_of(is_real(options), scenario, robot, static_cast<std::uint64_t>(seed), options.times);
+  parameters.plant = plant_of(is_real(options), scenario, robot, static_cast<std::uint64_t>(seed), options.times);
   return parameters;
 }
 

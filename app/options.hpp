@@ -27,8 +27,9 @@ namespace baton::app {
 /// Whether the plant is `real`.
 [[nodiscard]] bool is_real(const PhysicsOptions& options);
 
+/// Checks that a plant or scenario is only asked for in physics.
 /// @param on sim or ideal
-/// @throws InputError a plant or scenario without physics
+/// @throws InputError it is asked for without
 void check_physics(const PhysicsOptions& options, const std::string& on);
 
 /// The options' plant with their scenario.

@@ -7,9 +7,9 @@
 namespace baton {
 namespace {
 
-constexpr double kAttitudeRate = 0.03;  ///< at which roll and pitch follow the sensor's own [ω]
-constexpr double kMostOff = 0.2;        ///< deviation from it beyond which it is taken, as after a fall [rad]
-constexpr double kGravityRate = 0.1;    ///< at which they follow the direction of gravity [ω]
+constexpr double kAttitudeRate = 0.03;  ///< at which roll and pitch follow the sensor's attitude [ω]
+constexpr double kGravityRate = 0.1;    ///< at which roll and pitch follow the direction of gravity [ω]
+constexpr double kMostOff = 0.2;        ///< deviation from the sensor's attitude at which the filter restarts [rad]
 
 }  // namespace
 

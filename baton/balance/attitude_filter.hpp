@@ -1,6 +1,6 @@
-/// Attitude of the IMU from three sources: its gyro over short times, and its own attitude and the direction of gravity
-/// over longer ones (complementary filter, after Mahony et al., IEEE Trans. Autom. Control 53(5), 2008). The yaw is the
-/// sensor's.
+/// Complementary filter for roll and pitch of an IMU (after Mahony et al., IEEE Trans. Autom. Control 53(5), 2008):
+/// integrates the gyro, and follows slowly the sensor's attitude and the direction of gravity. The yaw is the sensor's,
+/// less its drift.
 #pragma once
 
 #include "baton/balance/measurement.hpp"
@@ -12,15 +12,15 @@ class AttitudeFilter {
  public:
   /// @param imu_in_root pose of the sensor in the root frame
   /// @param period of the measurements [s]
-  /// @param omega rate of the robot's pendulum, which scales the filter's [1/s]
+  /// @param omega of the linear inverted pendulum; the filter's rates scale with it [1/s]
   AttitudeFilter(const Pose& imu_in_root, double period, double omega);
 
-  /// Attitude of the sensor in its world frame, after this reading.
+  /// Attitude of the sensor in its world frame. Call once a tick.
   /// @param imu believed reading
   /// @param planned sample of this tick: its acceleration is subtracted from the specific force
   [[nodiscard]] const Mat3& update(const Measurement::Imu& imu, const MotionSample& planned);
 
-  /// Takes a drift of the yaw out, from here on [rad/s].
+  /// Sets the drift of the sensor's yaw that is subtracted from now on [rad/s].
   void set_yaw_drift(double rate) { yaw_drift_ = rate; }
 
  private:
@@ -30,7 +30,7 @@ class AttitudeFilter {
   double rate_gravity_;   ///< at which they follow the direction of gravity [1/s]
   Mat3 R_ = Mat3::Identity();
   double yaw_drift_ = 0.0;  ///< [rad/s]
-  double drifted_ = 0.0;    ///< yaw that was taken out so far [rad]
+  double drifted_ = 0.0;    ///< yaw drift so far [rad]
   bool first_ = true;
 };
 

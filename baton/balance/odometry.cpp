@@ -60,7 +60,8 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     }
   }
   contact_.update(load_of(completed_.sole));
-  yaw_drift_.update({yaw_of(kinematics_.sole(Side::left).R), yaw_of(kinematics_.sole(Side::right).R)}, contact_, planned);
+  yaw_drift_.update({yaw_of(kinematics_.sole(Side::left).R), yaw_of(kinematics_.sole(Side::right).R)}, contact_,
+                    planned);
   attitude_.set_yaw_drift(yaw_drift_.rate());
   legs_.update(kinematics_, dq_, imu.acceleration, contact_);
   legs_.shift(map_.correction(kinematics_, legs_.foothold(), contact_, planned.contact));

@@ -11,9 +11,9 @@ constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
 constexpr double kAttitude = 2.0;      ///< moment by the trunk's attitude error [weight × COM height per rad]
 constexpr double kRate = 1.0;          ///< moment by its rate error [weight × COM height per ω]
-constexpr double kOffsetTime = 12.0;   ///< low-pass of the weight's offset [1/ω]
-constexpr double kMostOffset = 0.12;   ///< its bound [COM height]
-constexpr double kOffsetBand = 0.01;   ///< its dead band [COM height]
+constexpr double kOffsetTime = 12.0;   ///< low-pass of the COM offset [1/ω]
+constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
+constexpr double kOffsetBand = 0.01;   ///< dead band of the COM offset [COM height]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
 
 }  // namespace
@@ -43,13 +43,13 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
 
   // p_cmd = p + (1 + k/ω)(ξ_m − ξ_ref), clamped to the region: by a horizontal force at the COM, which leaves the
   // moment about the COM as planned.
-  const Vec2 planned_zmp = next.zmp + correction_.weight_offset;
+  const Vec2 planned_zmp = next.zmp + correction_.com_offset;
   const Vec2 wish = planned_zmp + (1.0 + profile.stabiliser.k_dcm / omega) * correction_.dcm_error.head<2>();
   const Vec2 balanced = next.zmp_region->nearest(wish);
   const double vertical = total.force.z();
   const Vec2 push = -vertical / (next.com.z() - next.zmp_height) * (balanced - planned_zmp);
   const Vec3 force(push.x(), push.y(), 0.0);
-  total = with_offset(total, correction_.weight_offset);
+  total = with_com_offset(total, correction_.com_offset);
   total.force += force;
   total.moment += next.com.cross(force);
   // The trunk's attitude, by a moment, with the room that is left for the ZMP.
@@ -93,10 +93,10 @@ void Stabiliser::compare_zmp(const MotionSample& now, const State& state) {
   const Vec2 deficit = correction_.zmp - measured;
   correction_.zmp_deficit +=
       robot_->omega() * robot_->profile().tick.period / kZmpTime * (deficit - correction_.zmp_deficit);
-  update_weight_offset(now, measured);
+  update_com_offset(now, measured);
 }
 
-void Stabiliser::update_weight_offset(const MotionSample& now, const Vec2& measured) {
+void Stabiliser::update_com_offset(const MotionSample& now, const Vec2& measured) {
   const double height = robot_->profile().stance.com_height;
   const double follows = robot_->omega() * robot_->profile().tick.period / kOffsetTime;
   const Eigen::Rotation2Dd heading(mean_yaw(now.sole));
@@ -104,8 +104,8 @@ void Stabiliser::update_weight_offset(const MotionSample& now, const Vec2& measu
   steady_zmp_ = bounded(Vec2(steady_zmp_ + follows * (off - steady_zmp_)), kMostOffset * height);
   const double size = steady_zmp_.norm();
   const double band = kOffsetBand * height;
-  correction_.weight_offset.setZero();
-  if (size > band) correction_.weight_offset = heading * Vec2(steady_zmp_ * (1.0 - band / size));
+  correction_.com_offset.setZero();
+  if (size > band) correction_.com_offset = heading * Vec2(steady_zmp_ * (1.0 - band / size));
 }
 
 void Stabiliser::reset() {

@@ -12,9 +12,10 @@ struct Correction {
   Vec3 dcm_error = Vec3::Zero();    ///< measured − planned DCM, in the planning frame [m]
   Vec2 zmp = Vec2::Zero();          ///< commanded ZMP, in the planning frame [m]
   Vec2 zmp_deficit = Vec2::Zero();  ///< commanded − measured ZMP, low-passed: what the terrain fails to support [m]
-  /// Where the weight acts beside the model's COM: measured − planned ZMP, low-passed, beyond a dead band [m]. Standing,
-  /// payload, COM error and tilt cannot be told apart, so this is one number for all of them.
-  Vec2 weight_offset = Vec2::Zero();
+  /// Estimated offset of the COM from the model's, horizontal, in the planning frame: measured − planned ZMP,
+  /// low-passed, beyond a dead band [m]. It stands for payload, COM errors and a tilted IMU, which a standing robot
+  /// cannot tell apart.
+  Vec2 com_offset = Vec2::Zero();
 };
 
 class Stabiliser {
@@ -36,7 +37,8 @@ class Stabiliser {
  private:
   /// Updates the difference between commanded and measured ZMP.
   void compare_zmp(const MotionSample& now, const State& state);
-  void update_weight_offset(const MotionSample& now, const Vec2& measured);
+  /// @param measured ZMP [m]
+  void update_com_offset(const MotionSample& now, const Vec2& measured);
   /// Horizontal moment that turns the trunk to its planned attitude and rate [N·m].
   /// @param trunk planned attitude, one tick after `trunk_`
   [[nodiscard]] Vec2 attitude_moment(const Mat3& trunk, const State& state) const;

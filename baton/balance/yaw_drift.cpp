@@ -7,9 +7,9 @@ namespace baton {
 namespace {
 
 constexpr double kFastest = 0.05;  ///< largest drift [rad/s]
-constexpr double kTwist = 1.0;     ///< turn of a sole that is a slip, not drift [rad/s]
+constexpr double kTwist = 1.0;     ///< yaw rate of a sole from which it slips [rad/s]
 constexpr double kStill = 1e-3;    ///< planned speed at rest: norm over all joints [rad/s]
-constexpr double kTurns = 0.02;    ///< planned turn of the trunk in which soles twist one way [rad/s]
+constexpr double kTurns = 0.02;    ///< planned yaw rate of the root from which soles twist to one side [rad/s]
 constexpr double kWalking = 0.02;  ///< weight of a walking robot's soles against those at rest
 constexpr double kMemory = 60.0;   ///< longest time of observation that counts [s]
 

@@ -1,5 +1,5 @@
-/// Drift of the IMU's yaw: a stance sole does not turn, so what it seems to turn is drift. Soles twist a little while the
-/// robot walks, so this counts less then than at rest.
+/// Estimates the drift of the IMU's yaw from stance soles: they do not turn, so their apparent rotation is drift. Soles
+/// of a walking robot twist a little, so they count less than soles at rest.
 #pragma once
 
 #include "baton/balance/sole_contact.hpp"
@@ -17,13 +17,13 @@ class YawDrift {
   /// @param planned sample of this tick
   void update(const BySide<double>& yaw, const SoleContact& contact, const MotionSample& planned);
 
-  /// [rad/s]
+  /// Estimated drift [rad/s].
   [[nodiscard]] double rate() const { return rate_; }
 
  private:
   double period_;
-  BySide<double> last_{0.0, 0.0};           ///< yaw one tick ago [rad]
-  BySide<bool> stood_{false, false};        ///< contacts one tick ago
+  BySide<double> last_{0.0, 0.0};     ///< yaw one tick ago [rad]
+  BySide<bool> stood_{false, false};  ///< contacts one tick ago
   double rate_ = 0.0;
   double trust_ = 0.5;  ///< time of observation so far, weighted [s]
 };

@@ -159,7 +159,7 @@ Vec3 Guide::com_above(const GuideContext& context, const Goal& goal) const {
 }
 
 Vec3 Guide::com_for(const GuideContext& context, const Vec3& at) {
-  return at - Vec3(context.weight_offset.x(), context.weight_offset.y(), 0.0);
+  return at - Vec3(context.com_offset.x(), context.com_offset.y(), 0.0);
 }
 
 void Guide::add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const {

@@ -31,9 +31,9 @@ struct GuideContext {
   std::optional<Step> step{};
   bool stick_held = false;  ///< a guided trunk then prefers stepping to shifting the COM
 
-  /// Where the robot's weight acts beside its model's COM, as a payload or a tilted IMU makes it: horizontal, in the
-  /// planning frame [m]. Goals keep the COM off by as much to the other side.
-  Vec2 weight_offset{Vec2::Zero()};
+  /// Offset of the robot's COM from the model's (`Correction::com_offset`), in the planning frame [m]. COM positions of
+  /// postures and goals are the model's.
+  Vec2 com_offset{Vec2::Zero()};
 
   double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
 
@@ -168,7 +168,7 @@ class Guide {
   [[nodiscard]] Side farther_foot(const GuideContext& context, const Vec2& place) const;
   /// `goal` with a step to `sole`, and the COM above the middle of the feet.
   [[nodiscard]] Goal stepping(const GuideContext& context, const Goal& goal, Side side, const Pose& sole) const;
-  /// Where the model's COM is when the weight acts at `at` [m].
+  /// Position of the model's COM that brings the robot's to `at` [m].
   [[nodiscard]] static Vec3 com_for(const GuideContext& context, const Vec3& at);
   /// COM position above the middle of the goal's soles in contact, at its current height above the soles in contact.
   [[nodiscard]] Vec3 com_above(const GuideContext& context, const Goal& goal) const;

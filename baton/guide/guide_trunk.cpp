@@ -54,7 +54,7 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
   const double yaw = yaw_of(goal.trunk);
   const ConvexPolygon support =
       support_polygon(*robot_, from.sole, from.contact, goal.com, support_plane(from.sole, from.contact));
-  const Vec2 target = goal.com.head<2>() + context.weight_offset;
+  const Vec2 target = goal.com.head<2>() + context.com_offset;
   const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
   const bool stands = support.margin(target) >= profile.margin.stand_on;
   std::vector<Goal> goals;
@@ -98,7 +98,7 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
                                         const FootRegion& region, std::vector<Goal>& goals) const {
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
-  const Vec2 target = goal.com.head<2>() + context.weight_offset;
+  const Vec2 target = goal.com.head<2>() + context.com_offset;
   const Side first = farther_foot(context, target);
   const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
   std::optional<Refusal> refusal;

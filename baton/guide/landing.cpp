@@ -70,7 +70,7 @@ GuideResult Guide::stops(const GuideContext& context) const {
   for (const double way : kStopDistances) {
     Goal goal = stay(context, Part::trunk);
     const Vec2 ahead = (from.com + way / robot_->omega() * from.dcom).head<2>();
-    goal.com.head<2>() = support.nearest(ahead + context.weight_offset) - context.weight_offset;
+    goal.com.head<2>() = support.nearest(ahead + context.com_offset) - context.com_offset;
     goals.push_back(std::move(goal));
   }
   return goals;
@@ -105,8 +105,8 @@ GuideResult Guide::capture_steps(const GuideContext& context, const Vec2& by, bo
     // A sideways push loads the foot on that side, so the other one steps. After a straight push it is the one that
     // carries less.
     const bool straight = std::abs(ahead.y()) < kStraight * std::abs(ahead.x());
-    const Side first =
-        straight ? farther_foot(context, from.com.head<2>() + context.weight_offset) : (ahead.y() < 0.0 ? Side::left : Side::right);
+    const Side first = straight ? farther_foot(context, from.com.head<2>() + context.com_offset)
+                                : (ahead.y() < 0.0 ? Side::left : Side::right);
     // A foot about to lift off comes first; it may still carry the weight, so the other is tried, too.
     const Side best = from.lift_off ? from.lift_off->side : first;
     for (const Side side : {best, other(best)}) {

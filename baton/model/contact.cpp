@@ -20,7 +20,7 @@ Wrench ground_wrench(const Kinematics& kinematics, const VecX& force) {
   return wrench;
 }
 
-Wrench with_offset(Wrench wrench, const Vec2& offset) {
+Wrench with_com_offset(Wrench wrench, const Vec2& offset) {
   wrench.moment += Vec3(offset.x(), offset.y(), 0.0).cross(Vec3(0.0, 0.0, wrench.force.z()));
   return wrench;
 }

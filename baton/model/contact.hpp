@@ -23,8 +23,8 @@ struct Wrench {
 /// @param force generalised forces there, by inverse dynamics without contact (nv)
 [[nodiscard]] Wrench ground_wrench(const Kinematics& kinematics, const VecX& force);
 
-/// The wrench with the force acting beside the COM: shifts the ZMP by `offset` [m], as an unknown payload does.
-[[nodiscard]] Wrench with_offset(Wrench wrench, const Vec2& offset);
+/// The wrench that a robot needs whose COM is off the model's by `offset` [m]: the ZMP is shifted by as much.
+[[nodiscard]] Wrench with_com_offset(Wrench wrench, const Vec2& offset);
 
 /// Outline of a sole, projected onto the horizontal plane.
 [[nodiscard]] ConvexPolygon sole_outline(const RobotModel& robot, Side side, const Pose& sole);

@@ -8,17 +8,17 @@ namespace baton {
 /// Margins of a motion, derived from the robot's profile. Each factory function below suits one situation. Joint speeds
 /// are limited by `Joint::speed`; the margins of goals and balance are read from the profile itself.
 struct Limits {
-  double zmp_plan = 0.0;         ///< least margin of the point-mass ZMP inside the support polygon [m]
-  double zmp_verify = 0.0;       ///< the same for the whole-body ZMP [m]
-  Vec2 weight_offset{Vec2::Zero()};  ///< where the weight acts beside the COM, in the planning frame [m]
-  double joint = 0.0;            ///< least distance of a joint from its position limits [rad]
-  double torque = 0.0;           ///< largest share of the stall torque
-  double acceleration = 0.0;     ///< largest joint acceleration [rad/s²]
-  double friction = 0.0;         ///< largest ratio of tangential to normal contact force
-  double self_collision = 0.0;   ///< least distance between links, and of links from the world [m]
-  double edge = 0.0;             ///< least distance of a foothold from terrain edges [m]
-  double swing_clearance = 0.0;  ///< swing apex above the higher foothold [m]
-  double swing_time = 0.0;       ///< shortest swing of a step [s]
+  double zmp_plan = 0.0;          ///< least margin of the point-mass ZMP inside the support polygon [m]
+  double zmp_verify = 0.0;        ///< the same for the whole-body ZMP [m]
+  Vec2 com_offset{Vec2::Zero()};  ///< of the robot's COM from the model's, in the planning frame [m]
+  double joint = 0.0;             ///< least distance of a joint from its position limits [rad]
+  double torque = 0.0;            ///< largest share of the stall torque
+  double acceleration = 0.0;      ///< largest joint acceleration [rad/s²]
+  double friction = 0.0;          ///< largest ratio of tangential to normal contact force
+  double self_collision = 0.0;    ///< least distance between links, and of links from the world [m]
+  double edge = 0.0;              ///< least distance of a foothold from terrain edges [m]
+  double swing_clearance = 0.0;   ///< swing apex above the higher foothold [m]
+  double swing_time = 0.0;        ///< shortest swing of a step [s]
 
   /// The profile's values.
   [[nodiscard]] static Limits normal(const Profile& profile);

@@ -154,11 +154,11 @@ Request Requests::on_the_way(int at) const {
   if (several) {
     // The same step again, to another goal.
     const Pose anchor = context.anchor;
-    const Vec2 weight_offset = context.weight_offset;
+    const Vec2 com_offset = context.com_offset;
     const bool held = context.stick_held;
     context = answer.context;
     context.anchor = anchor;
-    context.weight_offset = weight_offset;
+    context.com_offset = com_offset;
     context.stick_held = held;
     const int joints = now_.robot.nv() - 6;
     context.from.q.tail(joints) = motion_->end.q.tail(joints);
@@ -229,7 +229,7 @@ std::optional<Request> Requests::catching() const {
   const Vec2 error = (anchor.R.transpose() * Vec3(world_error.x(), world_error.y(), 0)).head<2>();
   // The DCM drifts away from the plan's unless the ZMP can be shifted as far as it is off.
   const double size = error.norm();
-  const Vec2 zmp = sample.zmp + now_.correction.weight_offset;
+  const Vec2 zmp = sample.zmp + now_.correction.com_offset;
   const Vec2 holds = zmp + (1.0 + kReserve) * error;
   const auto along = [&](const Vec2& v) { return v.dot(error) / size; };
   double room = std::max(0.0, along(sample.zmp_region->nearest(holds) - zmp));
@@ -351,7 +351,7 @@ GuideContext Requests::context_at_rest() const {
   GuideContext context{course_.rest(), anchor, course_.last_step(), course_.foothold()};
   if (motion_ != nullptr) course_.note_steps(context.last_step, context.foothold);
   context.slip_free_frame = course_.slip_free_frame();
-  context.weight_offset = now_.correction.weight_offset;
+  context.com_offset = now_.correction.com_offset;
   // With a foot in the air it stays what that was to land with.
   context.place_uncertainty = both_stand(course_.sample().contact)
                                   ? bounded_uncertainty(now_.robot, now_.watch.odometry().uncertainty())

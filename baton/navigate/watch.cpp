@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kDisturbed = 0.02;     ///< error of the DCM from which nothing new is begun [COM height]
 constexpr double kRecovered = 0.01;     ///< error below which the robot is no longer disturbed [COM height]
-constexpr double kSteady = 12.0;        ///< time constant of the error that is no disturbance [1/ω]
-constexpr double kMostSteady = 0.06;    ///< its bound [COM height]
+constexpr double kSteady = 12.0;        ///< low-pass of the DCM error's steady part [1/ω]
+constexpr double kMostSteady = 0.06;    ///< bound of the steady part [COM height]
 constexpr double kSinks = 4e-3;         ///< difference of heights that is how soles sink [COM height]
 constexpr double kFallenTilt = 0.7;     ///< inclination of the trunk from which it falls [rad]
 constexpr double kFallenHeight = 0.58;  ///< height of the COM below which it falls [nominal]

@@ -48,8 +48,8 @@ class Watch {
   /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis from 0.02 to 0.01 of
   /// the nominal COM height.
   [[nodiscard]] bool disturbed() const { return disturbed_ || sensors_.lost(); }
-  /// Estimated − planned DCM, without its steady part, in world axes [m]. The plan is first displaced by the slip of the
-  /// soles. An IMU, an encoder or a slope that is off makes an error that stays: it disturbs nothing.
+  /// Estimated − planned DCM, in world axes, less its steady part, which sensor offsets and slopes cause [m]. The plan
+  /// is first displaced by the slip of the soles.
   [[nodiscard]] const Vec2& dcm_error() const { return dcm_error_; }
   /// Whether soles stand so far from their plan that the history can no longer be retraced.
   [[nodiscard]] bool slipped() const { return slip_.now; }
@@ -86,8 +86,8 @@ class Watch {
   int guard_ticks_ = 0;    ///< for which the condition that would change the guard has held
   int falling_ticks_ = 0;  ///< for which trunk and COM have been as in a fall
   Vec2 dcm_error_ = Vec2::Zero();
-  Vec2 steady_dcm_error_ = Vec2::Zero();  ///< in the heading frame, low-passed and bounded [m]
-  bool disturbed_ = false;  ///< by the DCM error
+  Vec2 steady_dcm_error_ = Vec2::Zero();  ///< in the heading frame [m]
+  bool disturbed_ = false;                ///< by the DCM error
   struct Slip {
     bool now = false;
     bool found = false;  ///< in this tick

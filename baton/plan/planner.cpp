@@ -328,9 +328,8 @@ std::variant<Motion, Refusal> Planner::realise(const Segment& segment, const Can
   for (int k = 0; k <= ticks; ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     targets = segment.targets(motion.com, timing, k * dt);
-    const ComState com = motion.com.at(k * dt);
-    sample.com = com.p - segment.weight_offset();
-    sample.dcom = com.dp;
+    sample.com = targets.com;
+    sample.dcom = motion.com.at(k * dt).dp;
     sample.sole = targets.sole;
     if (k == 0) {
       sample.q = from.q;

@@ -49,9 +49,9 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
   std::vector<double> shares{1.0};
   contact_ = {both};
   std::vector<VrpKnot> knots;
-  // The pendulum is where the weight acts. It continues with its current acceleration.
-  const Vec3 start = from.com + weight_offset();
-  const Vec3 end = goal.com + weight_offset();
+  // The pendulum is the robot's COM, not the model's. It continues with its current acceleration.
+  const Vec3 start = from.com + com_offset();
+  const Vec3 end = goal.com + com_offset();
   const Vec3 drive = start - from.ddcom / (robot.omega() * robot.omega());
   const auto wish = [&](double t, const Vec3& place, double weight) {
     const Vec3 level = start + t / static_cast<double>(contact_.size()) * (end - start);
@@ -241,7 +241,7 @@ Pose Segment::swing(double t, double duration) const {
 IkTargets Segment::targets(const ComPath& path, const Timing& timing, double t) const {
   const double T = timing.duration();
   IkTargets targets;
-  targets.com = path.at(t).p - weight_offset();
+  targets.com = path.at(t).p - com_offset();
   targets.sole = from_.sole;
   if (const std::optional<std::size_t> phase = swing_phase()) {
     const double begin = timing.border[*phase] * timing.period;

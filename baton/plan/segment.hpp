@@ -23,9 +23,10 @@ class Segment {
   [[nodiscard]] const Goal& goal() const { return goal_; }
   [[nodiscard]] const Limits& limits() const { return limits_; }
 
-  /// The path of where the weight acts: the COM, displaced by `weight_offset`.
+  /// Boundary value problem of the robot's COM, which is the model's displaced by `com_offset()`.
   [[nodiscard]] const ComProblem& com() const { return com_; }
-  [[nodiscard]] Vec3 weight_offset() const { return {limits_.weight_offset.x(), limits_.weight_offset.y(), 0.0}; }
+  /// Offset of the robot's COM from the model's, in the planning frame [m].
+  [[nodiscard]] Vec3 com_offset() const { return {limits_.com_offset.x(), limits_.com_offset.y(), 0.0}; }
 
   /// First duration to try [s].
   [[nodiscard]] double first_duration() const { return first_duration_; }

@@ -40,7 +40,7 @@ Strategy::Strategy(const RobotModel& robot, const World& world, Modes modes)
 
 Answer Strategy::plan(const Request& request) {
   for (Limits* limits : {&normal_, &uneven_ground_, &push_recovery_})
-    limits->weight_offset = request.start.context.weight_offset;
+    limits->com_offset = request.start.context.com_offset;
   if (request.intents.empty()) return attempt(request, intent_of(request.command));
   Answer answer;
   for (const Intent& intent : request.intents) {
@@ -274,7 +274,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   const Side up = end.contact.left ? Side::right : Side::left;
   GuideContext there{end, context.anchor, context.last_step, context.foothold};
   there.place_uncertainty = context.place_uncertainty;
-  there.weight_offset = context.weight_offset;
+  there.com_offset = context.com_offset;
   GuideResult landings = guide_.landings(there, up);
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {

@@ -109,8 +109,9 @@ std::variant<VrpOffset, Refusal> Survey::check_dynamics(const Segment& segment, 
     }
     kinematics_.inverse_dynamics(q[i], dq, ddq, force);
     const Wrench total = ground_wrench(kinematics_, force);
+    const Wrench needed = with_com_offset(total, segment.limits().com_offset);
     const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
-    joint_torques(kinematics_, force, share_wrench(*robot_, sole, segment.contact(timing, t[i]), with_offset(total, segment.limits().weight_offset)), tau);
+    joint_torques(kinematics_, force, share_wrench(*robot_, sole, segment.contact(timing, t[i]), needed), tau);
     for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
       const Joint& joint = robot_->joints()[j];
       const auto n = static_cast<Eigen::Index>(j);

@@ -33,7 +33,7 @@ void Trace::on_tick(const TickRecord& record) {
   const MotionSample& plan = nav.sample();
   const Pose& anchor = nav.anchor();
   const Vec3 com_plan = anchor * plan.com;
-  const Vec2 zmp = plan.zmp + nav.correction().weight_offset;
+  const Vec2 zmp = plan.zmp + nav.correction().com_offset;
   const Vec3 zmp_plan = anchor * Vec3(zmp.x(), zmp.y(), plan.zmp_height);
 
   const Truth* truth = record.truth;

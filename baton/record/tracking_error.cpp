@@ -21,7 +21,7 @@ void TrackingError::add(const TickRecord& record, const Kinematics& truth) {
   const Pose frame = anchor_correction(plan.sole, soles, plan.contact);
   planned_.set(plan.q);
   squares_.com += (truth.com() - frame * plan.com).squaredNorm();
-  const Vec2 planned = plan.zmp + nav.correction().weight_offset;
+  const Vec2 planned = plan.zmp + nav.correction().com_offset;
   const Vec2 zmp = (frame * Vec3(planned.x(), planned.y(), plan.zmp_height)).head<2>();
   const Vec2 measured = measured_zmp(*record.truth, support_plane(soles, plan.contact));
   if (measured.allFinite()) squares_.zmp += (measured - zmp).squaredNorm();

@@ -119,8 +119,8 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
   Wrench total = ground_wrench(kinematics_, sample.force);
   sample.zmp_height = support_plane(sample.sole, sample.contact);
   sample.zmp = total.zmp(sample.zmp_height);
-  total = with_offset(total, limits.weight_offset);
-  const Vec2 zmp = sample.zmp + limits.weight_offset;
+  total = with_com_offset(total, limits.com_offset);
+  const Vec2 zmp = sample.zmp + limits.com_offset;
   // At a phase border, the ZMP must lie in the support polygon of the soles that stand in both phases.
   const auto& before = tick == 0 ? motion.contact_before : samples[static_cast<std::size_t>(tick) - 1].contact;
   const BySide<bool> contact{sample.contact.left && before.left, sample.contact.right && before.right};

@@ -47,8 +47,7 @@ class TurningSensor {
     const double t = kPeriod * static_cast<double>(tick_);
     planned.ddq.head<3>() = Vec3(std::sin(5.0 * t), std::cos(4.0 * t), 0.5 * std::sin(7.0 * t));
     const double yaw = yaw_of(imu.attitude);
-    imu.acceleration = imu.attitude.transpose() *
-                       (rotation_z(yaw) * (planned.ddq.head<3>() + Vec3(0, 0, kGravity)));
+    imu.acceleration = imu.attitude.transpose() * (rotation_z(yaw) * (planned.ddq.head<3>() + Vec3(0, 0, kGravity)));
   }
 
   Mat3 start_;

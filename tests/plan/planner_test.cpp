@@ -47,8 +47,8 @@ TEST_P(PlannerTest, TheZmpIsPlannedForTheWholeBody) {
   EXPECT_LT(errors.back(), 0.008 * size_);
 }
 
-TEST_P(PlannerTest, WhereTheWeightActsBesideTheComTheZmpIsPlannedThere) {
-  // The ZMP of the model, displaced as the weight is, is inside the soles; where it rests, in the middle of the feet.
+TEST_P(PlannerTest, TheZmpIsPlannedForARobotWhoseComIsOff) {
+  // The ZMP of the model, displaced by the offset, stays inside the soles, and a step ends with it between the feet.
   Planner planner(robot_, world_);
   const Guide guide(robot_, world_);
   std::mt19937_64 random(32);
@@ -56,9 +56,9 @@ TEST_P(PlannerTest, WhereTheWeightActsBesideTheComTheZmpIsPlannedThere) {
   int planned = 0;
   for (std::size_t k = 0; k < 60; ++k) {
     GuideContext context = test::at_home(robot_);
-    context.weight_offset = 0.015 * size_ * Vec2(unit(random), unit(random));
+    context.com_offset = 0.015 * size_ * Vec2(unit(random), unit(random));
     Limits limits = limits_;
-    limits.weight_offset = context.weight_offset;
+    limits.com_offset = context.com_offset;
     const GuideResult guided = guide.goals(context, test::in_turn(k, random));
     const auto* goals = std::get_if<std::vector<Goal>>(&guided);
     if (goals == nullptr) continue;
@@ -68,13 +68,12 @@ TEST_P(PlannerTest, WhereTheWeightActsBesideTheComTheZmpIsPlannedThere) {
     ++planned;
     const Motion& motion = *found->motion;
     for (const MotionSample& sample : motion.samples) {
-      const ConvexPolygon support =
-          support_polygon(robot_, sample.sole, sample.contact, sample.com, sample.zmp_height);
-      ASSERT_GE(support.margin(sample.zmp + limits.weight_offset), robot_.profile().margin.zmp_verify - 1e-9);
+      const ConvexPolygon support = support_polygon(robot_, sample.sole, sample.contact, sample.com, sample.zmp_height);
+      ASSERT_GE(support.margin(sample.zmp + limits.com_offset), robot_.profile().margin.zmp_verify - 1e-9);
     }
     if (motion.goal.kind != SegmentKind::step) continue;
     const Vec2 middle = 0.5 * (motion.goal.sole.left.p + motion.goal.sole.right.p).head<2>();
-    EXPECT_LT((motion.goal.com.head<2>() + limits.weight_offset - middle).norm(), 1e-9);
+    EXPECT_LT((motion.goal.com.head<2>() + limits.com_offset - middle).norm(), 1e-9);
   }
   EXPECT_GT(planned, 30);
 }

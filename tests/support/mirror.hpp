@@ -156,9 +156,9 @@ class Mirror {
     return result;
   }
   [[nodiscard]] GuideContext of(const GuideContext& c) const {
-    const Vec3 offset = of(Vec3(c.weight_offset.x(), c.weight_offset.y(), 0.0));
-    return {of(c.from),        of(c.anchor),        of(c.last_step),       of(c.foothold),        of(c.step), c.stick_held,
-            offset.head<2>(), c.place_uncertainty, of(c.slip_free_frame), of(c.drift_correction)};
+    const Vec3 offset = of(Vec3(c.com_offset.x(), c.com_offset.y(), 0.0));
+    return {of(c.from),   of(c.anchor),     of(c.last_step),     of(c.foothold),        of(c.step),
+            c.stick_held, offset.head<2>(), c.place_uncertainty, of(c.slip_free_frame), of(c.drift_correction)};
   }
   [[nodiscard]] Goal of(const Goal& g) const {
     Goal result = g;
