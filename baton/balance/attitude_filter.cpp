@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kAttitudeRate = 0.03;  ///< at which roll and pitch follow the sensor's attitude [ω]
 constexpr double kGravityRate = 0.1;    ///< at which roll and pitch follow the direction of gravity [ω]
-constexpr double kMostOff = 0.2;        ///< deviation from the sensor's attitude at which the filter restarts [rad]
+constexpr double kTilted = 0.5;   ///< bound of the tilt that one reading of gravity tells: beyond, it is a blow [rad]
+constexpr double kWander = 0.15;  ///< fastest error of the sensor's attitude that is corrected by the gyro [rad/s]
 
 }  // namespace
 
@@ -20,13 +21,16 @@ AttitudeFilter::AttitudeFilter(const Pose& imu_in_root, double period, double om
       rate_gravity_(kGravityRate * omega) {}
 
 const Mat3& AttitudeFilter::update(const Measurement::Imu& imu, const MotionSample& planned) {
+  const Mat3 last = std::exchange(last_, imu.attitude);
   if (std::exchange(first_, false)) return R_ = imu.attitude;
-  R_ = R_ * rotation_exp(period_ * imu.rate);
+  // Where gyro and attitude turn differently, the attitude wanders, which is slow; faster, it is a fault of the gyro.
+  const Vec3 turn = rotation_log(last.transpose() * imu.attitude);
+  R_ = R_ * rotation_exp(turn + bounded(Vec3(period_ * imu.rate - turn), period_ * kWander));
   const Vec3 expected = heading_from_plan(R_ * root_in_imu_, planned) * planned_specific_force(planned);
   const Vec3 felt = R_ * imu.acceleration;
   const Vec3 off = rotation_error(rotation_z(-drifted_) * imu.attitude, R_);
-  if (off.norm() > kMostOff) return R_ = rotation_z(-drifted_) * imu.attitude;
-  Vec3 error = rate_attitude_ * off + rate_gravity_ * felt.cross(expected) / expected.squaredNorm();
+  const Vec3 tilted = bounded(Vec3(felt.cross(expected) / expected.squaredNorm()), kTilted);
+  Vec3 error = rate_attitude_ * off + rate_gravity_ * tilted;
   error.z() = 0.0;
   R_ = rotation_exp(period_ * error) * R_;
   drifted_ += period_ * yaw_drift_;

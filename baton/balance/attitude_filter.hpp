@@ -29,8 +29,9 @@ class AttitudeFilter {
   double rate_attitude_;  ///< at which roll and pitch follow the sensor's [1/s]
   double rate_gravity_;   ///< at which they follow the direction of gravity [1/s]
   Mat3 R_ = Mat3::Identity();
-  double yaw_drift_ = 0.0;  ///< [rad/s]
-  double drifted_ = 0.0;    ///< yaw drift so far [rad]
+  Mat3 last_ = Mat3::Identity();  ///< the sensor's attitude one tick ago
+  double yaw_drift_ = 0.0;        ///< [rad/s]
+  double drifted_ = 0.0;          ///< yaw drift so far [rad]
   bool first_ = true;
 };
 

@@ -89,6 +89,24 @@ TEST(AttitudeFilter, OfARollAndPitchThatWanderLittleIsLeft) {
   }
 }
 
+TEST(AttitudeFilter, OneFaultyReadingOfGyroOrAccelerometerDoesLittle) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    TurningSensor sensor(seed);
+    AttitudeFilter filter({}, kPeriod, kOmega);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    double off = 0.0;
+    for (int tick = 0; tick < 200; ++tick) {
+      Measurement::Imu imu = sensor.imu;
+      if (tick == 100 && seed % 2 == 0) imu.rate += 7.0 * Vec3(unit(random), unit(random), unit(random));
+      if (tick == 100 && seed % 2 == 1) imu.acceleration += 100.0 * Vec3(unit(random), unit(random), unit(random));
+      off = std::max(off, rotation_error(filter.update(imu, sensor.planned), sensor.imu.attitude).norm());
+      sensor.advance();
+    }
+    EXPECT_LT(off, 2e-3) << "seed " << seed;
+  }
+}
+
 TEST(AttitudeFilter, TheYawIsTheSensorsButForItsDrift) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     TurningSensor sensor(seed);
