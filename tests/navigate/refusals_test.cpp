@@ -149,6 +149,11 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         p.margin.torque = 0.01;
         c.command = step;
         break;
+      case Reason::motor_heat:
+        for (const Joint& joint : robot_.joints())
+          p.heat[joint.name].continuous = 0.02;  // hot before the foot is down
+        c.command = step;
+        break;
       case Reason::friction:
         p.margin.friction = 1e-3;
         p.duration.max = p.duration.first;
