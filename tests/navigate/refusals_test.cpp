@@ -218,6 +218,30 @@ TEST_P(RefusalsTest, AFootThatASlipBroughtNearerToAStepThanTheMarginCanLeave) {
   }
 }
 
+TEST_P(RefusalsTest, ARestThatCannotBeHeldForEverNeedsAWayToOneThatCan) {
+  Case c;
+  c.profile = robot_.profile();
+  c.command = push(Part::trunk, 2, -1.0);
+  const Answer cool = plan(c);
+  ASSERT_NE(cool.motion(), nullptr);
+  const Hottest held = cool.motion()->held;
+  ASSERT_GT(held.total, 0.0);
+  // Motors that can just not hold the squat, though the way there is cool.
+  for (const Joint& joint : robot_.joints()) {
+    Thermal& motor = c.profile.heat[joint.name];
+    motor.continuous *= 0.99 * std::sqrt(held.total);
+    motor.winding_time = motor.housing_time = 1e4;
+  }
+  EXPECT_NE(plan(c).motion(), nullptr) << "it can rise again";
+  // One that may not stand higher than that has no such way.
+  c.profile.region.com_height.hi = 1.0005 * c.profile.region.com_height.lo;
+  const Answer warm = plan(c);
+  ASSERT_NE(warm.refusal(), nullptr);
+  EXPECT_EQ(warm.refusal()->reason, Reason::motor_heat);
+  EXPECT_EQ(warm.refusal()->where, robot_.joints()[static_cast<std::size_t>(held.joint)].name);
+  EXPECT_NEAR(warm.refusal()->value, 1.0 / (0.99 * 0.99), 1e-6);
+}
+
 TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {
   for (std::size_t i = 0; i < kReasons; ++i) {
     const auto reason = static_cast<Reason>(i);
