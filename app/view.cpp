@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "baton/model/contact.hpp"
@@ -32,6 +33,16 @@ Activity activity(const Session& session) {
   if (purpose == Purpose::none) return Activity::rest;
   if (purpose == Purpose::stop || nav.command().recall == Recall::stop) return Activity::stopping;
   return purpose == Purpose::retrace || purpose == Purpose::home ? Activity::retracing : Activity::moving;
+}
+
+std::string heat_message(const Session& session) {
+  const Thermometer& thermometer = session.navigator().thermometer();
+  if (!thermometer.hot()) return "";
+  const Hottest hottest = thermometer.hottest();
+  std::string joint = session.model().joints()[static_cast<std::size_t>(hottest.joint)].name;
+  std::replace(joint.begin(), joint.end(), '_', ' ');
+  return fmt::format("A motor is hot ({}, {:.0f} % of what it may be): no new motion until it has cooled down.", joint,
+                     1e2 * hottest.total);
 }
 
 View::View(const Simulation& simulation, int port)
@@ -111,6 +122,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   } else if (session.t() - steady_ > kShows) {
     frame.message = "Pushed off the plan: no new motion until it has recovered.";
   }
+  if (frame.message.empty()) frame.message = heat_message(session);
   cockpit_.publish(std::move(frame));
 }
 

@@ -37,4 +37,7 @@ class View {
 /// What the robot is doing.
 [[nodiscard]] Activity activity(const Session& session);
 
+/// What a robot with hot motors says; else empty.
+[[nodiscard]] std::string heat_message(const Session& session);
+
 }  // namespace baton::app

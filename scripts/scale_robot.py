@@ -76,6 +76,7 @@ PROFILE = {
     "stabiliser": {"k_dcm": NONE},
 }  # fmt: skip
 GAINS = {"kp": TORQUE, "kd": DAMPING}
+HEAT = {"continuous": NONE, "winding": NONE, "winding_time": TIME, "housing_time": TIME}
 PARTS = {
     "trunk": "body", "left_foot": "site", "right_foot": "site", "left_hand": "site", "right_hand": "site",
     "left_shoulder": "body", "right_shoulder": "body", "imu": "site",
@@ -199,7 +200,9 @@ def scale_profile(profile, s, names):
     out["duration"] = {key: round(math.floor(t / tick + 0.5) * tick, 9) for key, t in out["duration"].items()}
     out["drive"] = {key: value for key, value in profile["drive"].items() if key != "gains"}
     out["drive"]["gains"] = [
-        {key: [names("joint", j) for j in reversed(value)] if key == "joints" else scaled(value, GAINS[key], s)
+        {key: [names("joint", j) for j in reversed(value)] if key == "joints"
+         else {k: scaled(v, HEAT[k], s) for k, v in value.items()} if key == "heat"
+         else scaled(value, GAINS[key], s)
          for key, value in gains.items()}
         for gains in profile["drive"].get("gains", [])
     ]  # fmt: skip

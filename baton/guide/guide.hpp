@@ -92,6 +92,10 @@ class Guide {
   /// A foot in the air lands, preferably on its planned foothold.
   [[nodiscard]] GuideResult stops(const GuideContext& context) const;
 
+  /// Goals that stand straighter, for motors to cool, from a rest on both feet: the COM above the middle of the feet,
+  /// as high as it may be, then less high; then the same with the trunk upright. None if the COM is there already.
+  [[nodiscard]] std::vector<Goal> straighter(const GuideContext& context) const;
+
   /// Capture steps after a push, from `context.from`, which may move: of the foot in the air, else of the one about to
   /// lift off, else of the less loaded one, or of either after a push straight ahead. The foothold is displaced by
   /// `by`, or by half of it, within its region. Nothing for a sideways push on both feet, as the foot on that side

@@ -13,6 +13,7 @@ constexpr double kSideways = 0.5;  ///< ratio of lateral to forward displacement
 constexpr double kStraight = 0.1;  ///< the same ratio below which it is straight ahead or back
 constexpr std::array<double, 2> kCaptureShares{1.0, 0.5};       ///< shares of the displacement that capture steps try
 constexpr std::array<double, 3> kStopDistances{1.0, 1.5, 0.5};  ///< tried for a COM with speed v [v/ω]
+constexpr std::array<double, 3> kStraighter{1.0, 0.6, 0.2};     ///< shares of the way to the highest COM, to cool
 
 }  // namespace
 
@@ -72,6 +73,22 @@ GuideResult Guide::stops(const GuideContext& context) const {
     const Vec2 ahead = (from.com + way / robot_->omega() * from.dcom).head<2>();
     goal.com.head<2>() = support.nearest(ahead + context.com_offset) - context.com_offset;
     goals.push_back(std::move(goal));
+  }
+  return goals;
+}
+
+std::vector<Goal> Guide::straighter(const GuideContext& context) const {
+  std::vector<Goal> goals;
+  Goal goal = stay(context, Part::trunk);
+  const Vec3 middle = com_above(context, goal);
+  const double height = context.from.com.z() - context.from.support_height();
+  const double rise = std::max(0.0, robot_->profile().region.com_height.hi - height);
+  for (const Mat3& trunk : {Mat3(goal.trunk), rotation_z(mean_yaw(goal.sole))}) {
+    goal.trunk = trunk;
+    for (const double share : kStraighter) {
+      goal.com = middle + Vec3(0, 0, share * rise);
+      if ((goal.com - context.from.com).norm() > same_place()) goals.push_back(goal);
+    }
   }
   return goals;
 }

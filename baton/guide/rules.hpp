@@ -3,7 +3,7 @@
 /// - `guide.cpp`: selection of the rule; goals common to all rules; going home
 /// - `guide_foot.cpp`, `guide_trunk.cpp`, `guide_hand.cpp`: the guiding rule of each part
 /// - `placement.cpp`: valid footholds
-/// - `landing.cpp`: landings, stops and capture steps
+/// - `landing.cpp`: landings, stops, standing straighter, capture steps
 #pragma once
 
 #include "baton/guide/guide.hpp"

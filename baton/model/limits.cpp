@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kUnevenZmp = 2.0;         ///< factor on the planned ZMP's margin on uneven ground
 constexpr double kPushAcceleration = 1.5;  ///< factor on joint acceleration in a capture step
+constexpr double kPushHeat = 1.25;         ///< largest rise of a winding's temperature in a capture step
 constexpr double kPushSwing = 0.7;         ///< factor on swing height and shortest swing time in a capture step
 
 }  // namespace
@@ -17,6 +18,7 @@ Limits Limits::normal(const Profile& profile) {
           .joint = profile.margin.joint,
           .torque = profile.margin.torque,
           .acceleration = profile.margin.acceleration,
+          .heat = 1.0,
           .friction = profile.margin.friction,
           .self_collision = profile.margin.self_collision,
           .edge = profile.margin.edge,
@@ -34,6 +36,7 @@ Limits Limits::push_recovery(const Profile& profile) {
   Limits limits = normal(profile);
   limits.zmp_plan = profile.margin.zmp_feedback;
   limits.torque = 1.0;
+  limits.heat = kPushHeat;
   limits.acceleration *= kPushAcceleration;
   limits.swing_clearance *= kPushSwing;
   limits.swing_time *= kPushSwing;

@@ -14,6 +14,7 @@ struct Limits {
   double joint = 0.0;             ///< least distance of a joint from its position limits [rad]
   double torque = 0.0;            ///< largest share of the stall torque
   double acceleration = 0.0;      ///< largest joint acceleration [rad/s²]
+  double heat = 0.0;              ///< largest rise of a winding's temperature [permitted rise]
   double friction = 0.0;          ///< largest ratio of tangential to normal contact force
   double self_collision = 0.0;    ///< least distance between links, and of links from the world [m]
   double edge = 0.0;              ///< least distance of a foothold from terrain edges [m]
@@ -27,8 +28,8 @@ struct Limits {
   /// larger margin.
   [[nodiscard]] static Limits uneven_ground(const Profile& profile);
 
-  /// For a capture step. Margins that make a plan easy to track are relaxed (ZMP, torque, acceleration, swing); those
-  /// that the next motion starts from are not (joint range, distances, edges).
+  /// For a capture step. Margins that make a plan easy to track are relaxed (ZMP, torque, acceleration, swing), and so
+  /// is heat, as a fall costs more; those that the next motion starts from are not (joint range, distances, edges).
   [[nodiscard]] static Limits push_recovery(const Profile& profile);
 
   bool operator==(const Limits&) const = default;

@@ -146,8 +146,19 @@ std::array<double, N> shares(const Reader& read, const std::string& key) {
   return values;
 }
 
-std::map<std::string, Profile::Gains> servo_gains(const Reader& read) {
-  std::map<std::string, Profile::Gains> by_joint;
+/// Thermal constants of a kind of motor; the table `key` is optional, its keys are not.
+Thermal thermal(const Reader& read, const std::string& key) {
+  Thermal t;
+  t.continuous = read.positive(key + ".continuous", 1);
+  t.winding = read.number(key + ".winding", 0, 1);
+  t.winding_time = read.positive(key + ".winding_time", 1e4);
+  t.housing_time = read.positive(key + ".housing_time", 1e5);
+  if (t.housing_time < t.winding_time) read.complain(key + ".housing_time", "at least winding_time");
+  return t;
+}
+
+/// Gains and thermal constants of the joints, by the kind of their servo.
+void read_servos(const Reader& read, Profile& profile) {
   const toml::array* rows = read.at("drive.gains").as_array();
   if (rows == nullptr) read.complain("drive.gains", "a list of tables {kp, kd, joints}");
   for (std::size_t i = 0; i < rows->size(); ++i) {
@@ -156,10 +167,11 @@ std::map<std::string, Profile::Gains> servo_gains(const Reader& read) {
     const toml::array* joints = read.at(key + ".joints").as_array();
     if (joints == nullptr) read.complain(key + ".joints", "a list of joint names");
     for (std::size_t j = 0; j < joints->size(); ++j) {
-      by_joint[read.text(fmt::format("{}.joints[{}]", key, j))] = row;
+      const std::string joint = read.text(fmt::format("{}.joints[{}]", key, j));
+      profile.gains[joint] = row;
+      if (read.at(key + ".heat")) profile.heat[joint] = thermal(read, key + ".heat");
     }
   }
-  return by_joint;
 }
 
 /// Errors of the sensors; what is missing is moderate.
@@ -256,7 +268,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   p.tick = {read.number("tick.period", 1e-4, 0.1), static_cast<int>(lookahead)};
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
   p.drive = drive_named(read.text("drive.kind"), fmt::format("profile {}: drive.kind", file.string()));
-  p.gains = servo_gains(read);
+  read_servos(read, p);
   p.sensors = sensor_errors(read);
   p.actuators = actuator_errors(read);
   read.complain_of_unknown_keys();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "baton/model/hardware_errors.hpp"
+#include "baton/model/heat.hpp"
 
 namespace baton {
 
@@ -145,7 +146,8 @@ struct Profile {
     double kp = 0.0;
     double kd = 0.0;
   };
-  std::map<std::string, Gains> gains;  ///< by joint name
+  std::map<std::string, Gains> gains;   ///< by joint name
+  std::map<std::string, Thermal> heat;  ///< by joint name; a motor without an entry never gets warm
 
   SensorErrors sensors;      ///< of a simulated robot, as of the real one; optional keys
   ActuatorErrors actuators;  ///< the same

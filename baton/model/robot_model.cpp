@@ -164,7 +164,8 @@ void RobotModel::read_joints(const std::string& owner) {
       throw InputError(fmt::format("{}: joint '{}' has no torque limit: give its motor a ctrlrange or forcerange",
                                    owner, joint.name));
     }
-    joint.motor = {stall, m.dof_damping[m.jnt_dofadr[j]], 0.0};
+    const auto heat = profile_.heat.find(joint.name);
+    joint.motor = {stall, m.dof_damping[m.jnt_dofadr[j]], 0.0, heat == profile_.heat.end() ? Thermal{} : heat->second};
     if (!(joint.motor.damping > 0.0)) {
       throw InputError(
           fmt::format("{}: joint '{}' has no damping: the motor's back-EMF sets its no-load speed", owner, joint.name));

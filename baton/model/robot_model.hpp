@@ -18,6 +18,7 @@ struct Motor {
   double stall = 0.0;    ///< [N·m]
   double damping = 0.0;  ///< back-EMF and gear friction, as the model's joint damping [N·m·s/rad]
   double no_load = 0.0;  ///< stall / damping [rad/s]
+  Thermal thermal;
 
   /// Share of the stall torque used for the rigid-body torque `rigid` [N·m] at `speed` [rad/s]. Damping counts as a
   /// load in both directions, so that a motion's reverse passes too (docs/theory.md §8).

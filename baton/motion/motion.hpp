@@ -58,11 +58,13 @@ struct Motion {
   Goal goal;
   VecX dq0;                                 ///< velocity on arrival at the first sample (nv)
   BySide<bool> contact_before{true, true};  ///< contacts before the first sample
+  Heat heat;                                ///< of the motors at the first sample; empty: cold
   std::vector<ContactPhase> phases;
   ComPath com;
   std::vector<MotionSample> samples;  ///< one for each tick, including both ends
   Posture end;                        ///< final posture, at rest
   MotionSample rest;                  ///< sample that holds after the end
+  Hottest held;                       ///< what the motors come to if the robot rests there for ever
   SwingArc swing;                     ///< if a foot swings
   bool retraces = false;              ///< an executed motion in reverse
   /// Partial retrace only: index of the sample after which it departs from the reversed trail to come to rest.

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "baton/math/pose.hpp"
+#include "baton/model/heat.hpp"
 #include "baton/model/side.hpp"
 
 namespace baton {
@@ -68,6 +69,7 @@ struct Posture {
   BySide<bool> contact_before{true, true};            ///< contacts just before
   std::optional<LiftOff> lift_off;                    ///< of a foot still in contact
   std::optional<Flight> flight;                       ///< of the foot in the air
+  Heat heat;                                          ///< of the motors; empty: cold
 
   /// Yaw of the heading frame: mean yaw of the soles [rad].
   [[nodiscard]] double heading() const { return mean_yaw(sole); }

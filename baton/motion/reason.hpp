@@ -26,6 +26,7 @@ enum class Reason {
   joint_speed,         ///< joint speed above its limit
   joint_acceleration,  ///< joint acceleration above its limit
   joint_torque,        ///< share of the stall torque above its limit
+  motor_heat,          ///< a winding too hot, on the way or at a rest that could not be left for a cooler one
   friction,            ///< ratio of tangential to normal contact force above its limit
   contact_wrench,      ///< contact wrench outside the contact-wrench cone, by a share of the weight
   self_collision,      ///< links too close to each other
@@ -43,7 +44,7 @@ enum class Unit {
   angle,         ///< [rad]
   speed,         ///< [rad/s]
   acceleration,  ///< [rad/s²]
-  share,         ///< fraction of the stall torque [-]
+  share,         ///< fraction of the stall torque, or of the permitted rise of temperature [-]
   number,        ///< ratio [-], or residual in m or rad
 };
 
@@ -103,6 +104,7 @@ inline constexpr std::array<ReasonInfo, kReasons> kReasonTable{{
     {Reason::joint_acceleration, "joint_acceleration", Unit::acceleration, Bound::at_most, true,
      "a joint would have to accelerate too fast"},
     {Reason::joint_torque, "joint_torque", Unit::share, Bound::at_most, true, "a motor would need too much torque"},
+    {Reason::motor_heat, "motor_heat", Unit::share, Bound::at_most, false, "a motor would get too hot"},
     {Reason::friction, "friction", Unit::number, Bound::at_most, true, "a foot would slip"},
     {Reason::contact_wrench, "contact_wrench", Unit::number, Bound::at_most, true,
      "the soles cannot provide the force and torque it takes"},

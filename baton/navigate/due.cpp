@@ -18,6 +18,7 @@ constexpr double kSlipByEdges = 0.5;    ///< displacement there at which a way b
 constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capture step leaves
 constexpr double kZmpDeficit = 0.12;    ///< ZMP that the ground does not give, and that does not count [COM height]
 constexpr double kLeastCapture = 0.15;  ///< least length of a capture step: the push may go on [COM height]
+constexpr double kCooling = 0.25;       ///< time between two requests to stand straighter, for any robot [s]
 constexpr double kFarther = 1.5;        ///< ratio of lengths from which a longer capture step replaces one under way
 
 bool both_stand(const BySide<bool>& contact) {
@@ -44,6 +45,8 @@ class Requests {
   [[nodiscard]] std::optional<Request> stopping(int at) const;
   /// Keeps both feet down, before the swing foot leaves the ground.
   [[nodiscard]] std::optional<Request> staying(int at) const;
+  /// With hot motors at rest: puts down a foot, then stands straighter.
+  [[nodiscard]] std::optional<Request> cooling() const;
   /// A capture step, if no shift of the ZMP can hold the DCM.
   [[nodiscard]] std::optional<Request> catching() const;
 
@@ -77,13 +80,16 @@ std::optional<Request> Requests::due() const {
   const bool on_the_way = motion_ != nullptr && at < motion_->ticks();
   const Command& command = now_.command;
   const bool disturbed = now_.watch.disturbed();
-  const bool ends_back = on_the_way && course_.is<Retracing>() && (command.neutral() || disturbed || slid_too_far());
+  const bool hot = now_.watch.thermometer().hot();
+  const bool ends_back =
+      on_the_way && course_.is<Retracing>() && (command.neutral() || disturbed || hot || slid_too_far());
   const bool stops = command.recall == Recall::stop || ends_back;
   const std::optional<Terrain::Inclined> inclined = now_.watch.inclined_sole(course_.sample());
   const bool leaves_inclined = inclined && motion_ != nullptr && motion_->goal.swing == other(inclined->side);
   // Pushed, or about to stand on an edge alone: the motion under way ends at rest, and the robot stays there.
   std::optional<Request> due = disturbed ? catching() : std::nullopt;
   const bool catches = due.has_value();
+  const bool cools = hot && !on_the_way && !stops;
   std::optional<Request> stays;
   if ((disturbed || leaves_inclined) && on_the_way && !stops) stays = staying(at);
   if (due && stays) due->intents.emplace_back(Stop{});
@@ -93,10 +99,12 @@ std::optional<Request> Requests::due() const {
   } else if (on_the_way) {
     if (stops) due = stopping(at);
     if (!stops && replaceable(at)) due = this->on_the_way(at);
+  } else if (cools) {
+    due = cooling();
   } else if (!both_stand(course_.rest().contact) || (!stops && !command.neutral())) {
     due = from_rest(command);
   }
-  if (!due || (!catches && refused_here(due->start.context.anchor))) return std::nullopt;
+  if (!due || (!catches && !cools && refused_here(due->start.context.anchor))) return std::nullopt;
   due->terrain = {inclined, now_.watch.uneven()};
   return due;
 }
@@ -116,6 +124,7 @@ Request Requests::from_rest(const Command& command) const {
                   {},
                   {intent_of(command)}};
   request.start.context.drift_correction = drift_correction(now_.robot, request.start.context, command);
+  request.start.posture.heat = now_.watch.thermometer().heat();
   return request;
 }
 
@@ -129,6 +138,7 @@ Request Requests::replacing(int at) const {
       {},
       {Follow{}}};
   if (at > 0) request.start.posture.contact_before = std::prev(sample)->contact;
+  request.start.posture.heat = now_.watch.thermometer().heat();
   return request;
 }
 
@@ -222,6 +232,16 @@ std::optional<Request> Requests::staying(int at) const {
   return ending(at);
 }
 
+std::optional<Request> Requests::cooling() const {
+  const bool stands = both_stand(course_.rest().contact);
+  const long again =
+      stands ? now_.exchange.asked_at + std::lround(kCooling / profile_.tick.period) : now_.refused.retry_at;
+  if (now_.tick < again) return std::nullopt;
+  Request request = from_rest(Command{.guide = now_.command.guide});
+  request.intents = {stands ? Intent{Cool{}} : Intent{Stop{}}};
+  return request;
+}
+
 std::optional<Request> Requests::catching() const {
   const MotionSample& sample = course_.sample();
   const Pose& anchor = course_.anchor();
@@ -282,8 +302,8 @@ std::optional<Request> Requests::catching() const {
 
 bool Requests::replaceable(int at) const {
   const Command& command = now_.command;
-  if (now_.gait == Gait::stop || course_.is<Retracing>() || course_.is<Halting>() || command.recall != Recall::none ||
-      command.neutral())
+  if (now_.gait == Gait::stop || now_.watch.thermometer().hot() || course_.is<Retracing>() || course_.is<Halting>() ||
+      command.recall != Recall::none || command.neutral())
     return false;
   const Goal& goal = motion_->goal;
   const int last_phase = motion_->last_phase();

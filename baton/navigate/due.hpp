@@ -27,7 +27,8 @@ struct Situation {
 
 /// The request that is due, if one is: a capture step or a stop when the robot is pushed; on the way of a motion, where
 /// it can go on or the stick asks for something else; at rest, or when the motion is about to end, what the command
-/// asks for, unless the same was refused at the same place.
+/// asks for, unless the same was refused at the same place. With hot motors, nothing but what lets them cool, and
+/// stops.
 [[nodiscard]] std::optional<Request> due(const Situation& now);
 
 /// The request that `command` would be, from where the robot rests next.

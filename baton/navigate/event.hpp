@@ -41,8 +41,13 @@ struct SensorChanged {
   Health health = Health::good;
 };
 
-using Event =
-    std::variant<Committed, Ended, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged, SensorChanged>;
+/// A motor got so hot that nothing new is begun, or all have cooled down: `Navigator::thermometer()`.
+struct HeatChanged {
+  bool hot = false;
+};
+
+using Event = std::variant<Committed, Ended, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged,
+                           SensorChanged, HeatChanged>;
 
 /// The event of a kind; null if there is none among these.
 template <typename Kind>

@@ -52,9 +52,11 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
     const Eigen::Index n = soft_.q.size();
     for (Eigen::Index j = 0; j < n; ++j)
       soft_.q[j] = std::isfinite(measurement.q[j]) ? measurement.q[j] : watch_.state().q[7 + j];
+    watch_.warm(soft_);
     return soft_;
   }
   const JointTarget& target = stabiliser_.target(course_.sample(), course_.next_sample(), watch_.state());
+  watch_.warm(target);
   // A way back may be minutes long, and soles slide on each step of it.
   if (motion() == nullptr || course_.is<Retracing>()) course_.settle(watch_.slid(course_.sample()));
   if (motion() == nullptr && command_.neutral()) course_.accept_place();
@@ -196,6 +198,8 @@ void Navigator::tell_changes() {
   if (watch_.slips() != told_.slips) events_.add(Slipped{watch_.last_slip()});
   if (watch_.disturbed() != told_.disturbed) events_.add(DisturbedChanged{watch_.disturbed()});
   if (watch_.guard() != told_.guard) events_.add(GuardChanged{told_.guard, watch_.guard()});
+  const bool hot = watch_.thermometer().hot();
+  if (std::exchange(told_.hot, hot) != hot) events_.add(HeatChanged{hot});
   told_.executing = motion() != nullptr;
   told_.guard = watch_.guard();
   told_.disturbed = watch_.disturbed();
@@ -212,6 +216,7 @@ Purpose Navigator::purpose() const {
   if (std::holds_alternative<Catch>(intent)) return Purpose::capture;
   if (std::holds_alternative<Retrace>(intent)) return Purpose::retrace;
   if (std::holds_alternative<Home>(intent)) return Purpose::home;
+  if (std::holds_alternative<Cool>(intent)) return Purpose::cool;
   return stops(course_.answer()->intent) ? Purpose::stop : Purpose::follow;
 }
 

@@ -28,6 +28,7 @@ enum class Purpose {
   home,     ///< to the stance that the robot began in
   stop,     ///< to rest, on the way or on a way back
   capture,  ///< a capture step
+  cool,     ///< to a straighter posture, in which hot motors cool down
 };
 
 class Navigator {
@@ -94,6 +95,8 @@ class Navigator {
   [[nodiscard]] Guard guard() const { return watch_.guard(); }
   /// Plausibility of the sensors' readings.
   [[nodiscard]] const SensorCheck& sensors() const { return watch_.sensors(); }
+  /// How hot the motors are, and whether the robot waits for them to cool down.
+  [[nodiscard]] const Thermometer& thermometer() const { return watch_.thermometer(); }
   /// Whether the DCM error is too large to begin a motion, or a sensor is lost.
   [[nodiscard]] bool disturbed() const { return watch_.disturbed(); }
   /// Estimated − planned DCM, in world axes [m].
@@ -147,6 +150,7 @@ class Navigator {
     bool executing = false;
     Guard guard = Guard::armed;
     bool disturbed = false;
+    bool hot = false;
     long slips = 0;
     BySensor<Health> health;
   };

@@ -28,7 +28,11 @@ constexpr double kForgets = 60.0;       ///< time constant with which that is fo
 }  // namespace
 
 Watch::Watch(const RobotModel& robot, const World& world, StateSource source, const Posture& start)
-    : robot_(&robot), sensors_(robot, source), odometry_(robot, world, source, start), estimator_(robot) {}
+    : robot_(&robot),
+      sensors_(robot, source),
+      odometry_(robot, world, source, start),
+      estimator_(robot),
+      thermometer_(robot) {}
 
 void Watch::estimate(const Measurement& measurement, const MotionSample& planned, const Pose& anchor) {
   measured_ = &odometry_.update(sensors_.check(measurement, planned), planned);

@@ -5,6 +5,7 @@
 #include "baton/balance/odometry.hpp"
 #include "baton/balance/sensor_check.hpp"
 #include "baton/balance/state.hpp"
+#include "baton/navigate/thermometer.hpp"
 #include "baton/plan/request.hpp"
 
 namespace baton {
@@ -34,6 +35,10 @@ class Watch {
   /// @param centred whether the stick is centred
   void judge(const MotionSample& planned, const Pose& anchor, bool centred);
 
+  /// Updates the motors' heat, once a tick, last.
+  /// @param commanded what the robot is told in this tick
+  void warm(const JointTarget& commanded) { thermometer_.update(*measured_, commanded); }
+
   /// Re-arms the robot, once it stands again.
   void arm();
 
@@ -45,6 +50,8 @@ class Watch {
   [[nodiscard]] bool soft() const { return guard_ == Guard::fallen || guard_ == Guard::stood_up; }
   /// Plausibility of the sensors' readings.
   [[nodiscard]] const SensorCheck& sensors() const { return sensors_; }
+  /// How hot the motors are.
+  [[nodiscard]] const Thermometer& thermometer() const { return thermometer_; }
   /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis from 0.02 to 0.01 of
   /// the nominal COM height.
   [[nodiscard]] bool disturbed() const { return disturbed_ || sensors_.lost(); }
@@ -80,6 +87,7 @@ class Watch {
   SensorCheck sensors_;
   Odometry odometry_;
   Estimator estimator_;
+  Thermometer thermometer_;
   const Measurement* measured_ = nullptr;
   const State* state_ = nullptr;
   Guard guard_ = Guard::armed;

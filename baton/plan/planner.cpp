@@ -56,6 +56,7 @@ Motion joined(const Motion& backwards, int ticks, Motion end) {
   motion.leaves = ticks;
   motion.dq0 = backwards.dq0;
   motion.contact_before = backwards.contact_before;
+  motion.heat = backwards.heat;
   motion.samples.insert(motion.samples.begin(), backwards.samples.begin(), backwards.samples.begin() + ticks);
   const std::vector<ContactPhase> phases = first_phases(backwards.phases, ticks);
   motion.phases.insert(motion.phases.begin(), phases.begin(), phases.end());
@@ -188,8 +189,10 @@ PlanResult Planner::by_search(Task& task) {
   return failure->refusal;
 }
 
-PlanResult Planner::retrace(const Trail& trail, const Pose& anchor, const Limits& limits) {
-  std::variant<VerifiedMotion, Refusal> verdict = verifier_.verify(reversed(*robot_, trail), anchor, limits);
+PlanResult Planner::retrace(const Trail& trail, const Pose& anchor, const Limits& limits, const Heat& heat) {
+  Motion back = reversed(*robot_, trail);
+  back.heat = heat;
+  std::variant<VerifiedMotion, Refusal> verdict = verifier_.verify(std::move(back), anchor, limits);
   if (auto* refusal = std::get_if<Refusal>(&verdict)) return std::move(*refusal);
   return PlannedMotion{std::get<VerifiedMotion>(std::move(verdict))};
 }
@@ -226,8 +229,9 @@ PlanResult Planner::halt(const Posture& from, const Trail& trail, const TrailRes
 }
 
 std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, const Pose& anchor, const Limits& limits,
-                                                        Refusal against) {
+                                                        Refusal against, const Heat& heat) {
   Motion whole = reversed(*robot_, trail);
+  whole.heat = heat;
   const auto both_stand = [&](int k) {
     const MotionSample& sample = whole.samples[static_cast<std::size_t>(k)];
     return sample.contact.left && sample.contact.right;
@@ -316,6 +320,7 @@ std::variant<Motion, Refusal> Planner::realise(const Segment& segment, const Can
   motion.period = dt;
   motion.goal = goal;
   motion.contact_before = from.contact_before;
+  motion.heat = from.heat;
   motion.phases = segment.phases(timing);
   motion.com = candidate.com;
   const Vec2 apex = segment.apex(timing);

@@ -32,7 +32,8 @@ class Planner {
                                 DurationRule rule);
 
   /// Retraces an executed motion; the reversed motion is verified again.
-  [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor, const Limits& limits);
+  /// @param heat of the motors at its start
+  [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor, const Limits& limits, const Heat& heat = {});
 
   /// Brings a moving robot on a retrace path to a planned rest on that path, ending at exactly the joint angles from
   /// which the remaining path continues.
@@ -46,8 +47,9 @@ class Planner {
   };
   /// The retrace path up to the last planned rest before the point of failure; none if there is no such rest.
   /// @param against refusal of the whole path
+  /// @param heat of the motors at its start
   [[nodiscard]] std::optional<PartOfWay> retrace_part(const Trail& trail, const Pose& anchor, const Limits& limits,
-                                                      Refusal against);
+                                                      Refusal against, const Heat& heat = {});
 
  private:
   /// Why a candidate failed, and the factor on its duration that may help; 0: none.

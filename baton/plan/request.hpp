@@ -41,8 +41,14 @@ struct Catch {
   std::optional<double> lands_in{};  ///< time to planned touchdown of a foot in the air [s]
 };
 
+/// With hot motors: stand straighter, above the middle of the feet.
+struct Cool {};
+
 /// What a motion is for.
-using Intent = std::variant<Follow, Retrace, Home, Stop, HaltAt, Catch>;
+using Intent = std::variant<Follow, Retrace, Home, Stop, HaltAt, Catch, Cool>;
+
+/// Rise of a winding's temperature from which the robot goes on no more before it has cooled down [permitted rise].
+inline constexpr double kHot = 0.8;
 
 /// Whether this is a stop or a halt.
 [[nodiscard]] inline bool stops(const Intent& intent) {
@@ -52,7 +58,7 @@ using Intent = std::variant<Follow, Retrace, Home, Stop, HaltAt, Catch>;
 /// The intent of an operator's command.
 [[nodiscard]] Intent intent_of(const Command& command);
 
-/// Initial state for planning: the planned state at the take-over.
+/// Initial state for planning: the planned state at the take-over, and the motors' heat when the request was made.
 struct Start {
   Posture posture;       ///< planning frame; may be moving
   GuideContext context;  ///< what goals are relative to

@@ -59,6 +59,9 @@ Answer Strategy::attempt(const Request& request, const Intent& intent) {
     if (answer.motion() != nullptr) answer.trail = std::make_shared<const Trail>(trail_to(*answer.trail, halt->rest));
   } else if (std::holds_alternative<Retrace>(intent)) {
     answer.outcome = go_back(request, answer.trail);
+  } else if (std::holds_alternative<Cool>(intent)) {
+    answer.outcome = cool(request);
+    if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
   } else {
     answer.outcome = follow_or_stop(request, stops(answer.intent));
     if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
@@ -107,11 +110,12 @@ Strategy::Outcome Strategy::resolve(const Limits& limits, const Request& request
 Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<const Trail>& remaining) {
   if (!request.start.trail) return Refusal{Reason::no_history, Part::trunk, 0, 0, ""};
   const Trail& trail = *request.start.trail;
-  PlanResult planned = planner_.retrace(trail, request.start.context.anchor, normal_);
+  const Heat& heat = request.start.posture.heat;
+  PlanResult planned = planner_.retrace(trail, request.start.context.anchor, normal_, heat);
   if (auto* refusal = std::get_if<Refusal>(&planned)) {
     if (modes_.on_limit == OnLimit::discard) return std::move(*refusal);
     std::optional<Planner::PartOfWay> part =
-        planner_.retrace_part(trail, request.start.context.anchor, normal_, *refusal);
+        planner_.retrace_part(trail, request.start.context.anchor, normal_, *refusal, heat);
     if (!part) return std::move(*refusal);
     remaining = std::make_shared<const Trail>(trail_to(trail, part->halt));
     planned = std::move(part->planned);
@@ -121,14 +125,17 @@ Strategy::Outcome Strategy::go_back(const Request& request, std::shared_ptr<cons
   return std::move(back);
 }
 
-Strategy::Outcome Strategy::stop(const Limits& limits, const Request& request) {
+Strategy::Outcome Strategy::stop(Limits limits, const Request& request) {
   const GuideContext& context = request.start.context;
-  if (request.start.sample < 0) {  // at rest: put down a foot in the air
-    return resolve(limits, request, guide_.goals(context, Command{.guide = request.command.guide}));
-  }
-  GuideResult ways = guide_.stops(context);
+  const bool rests = request.start.sample < 0;  // with a foot in the air, to be put down
+  GuideResult ways = rests ? guide_.goals(context, Command{.guide = request.command.guide}) : guide_.stops(context);
   if (auto* refusal = std::get_if<Refusal>(&ways)) return std::move(*refusal);
-  return quickest(limits, std::get<std::vector<Goal>>(ways), request);
+  Outcome outcome =
+      rests ? resolve(limits, request, ways) : quickest(limits, std::get<std::vector<Goal>>(ways), request);
+  const bool hot = hottest(request.start.posture.heat).total >= kHot;
+  if (!hot || !std::holds_alternative<Refusal>(outcome) || limits.heat >= push_recovery_.heat) return outcome;
+  limits.heat = push_recovery_.heat;  // to stay on the way, or on one foot, would be hotter
+  return stop(limits, request);
 }
 
 Strategy::Outcome Strategy::catch_step(const Request& request, const Catch& capture) {
@@ -184,6 +191,17 @@ Strategy::Outcome Strategy::quickest(const Limits& limits, const std::vector<Goa
   }
   if (best) return *std::move(best);
   return *std::move(against);
+}
+
+Strategy::Outcome Strategy::cool(const Request& request) {
+  std::optional<PlannedMotion> planned = straightened(normal_, request.start.posture, request.start.context);
+  if (!planned) {
+    Limits limits = normal_;
+    limits.heat = push_recovery_.heat;  // to stay would be hotter
+    planned = straightened(limits, request.start.posture, request.start.context);
+  }
+  if (!planned) return std::monostate{};
+  return *std::move(planned);
 }
 
 Strategy::Outcome Strategy::halt(const Request& request, const TrailRest& rest) {
@@ -250,6 +268,9 @@ PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goa
     if (auto* found = std::get_if<PlannedMotion>(&planned)) {
       std::optional<Refusal> against_it = no_stance(*found->motion, request);
       if (!against_it) against_it = no_landing(*found->motion, request.start.context);
+      // A foot that has to come down does so wherever it rests then.
+      if (!against_it && goal.kind != SegmentKind::lower)
+        against_it = no_cooling(*found->motion, request.start.context);
       if (!against_it) return planned;
       planned = *std::move(against_it);
     }
@@ -269,8 +290,9 @@ std::optional<Refusal> Strategy::no_stance(const Motion& motion, const Request& 
 }
 
 std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideContext& context) {
-  const Posture& end = motion.end;
+  Posture end = motion.end;
   if (end.contact.left && end.contact.right) return std::nullopt;
+  end.heat = at_least(std::move(end.heat), kHot);  // at the latest then it lands
   const Side up = end.contact.left ? Side::right : Side::left;
   GuideContext there{end, context.anchor, context.last_step, context.foothold};
   there.place_uncertainty = context.place_uncertainty;
@@ -280,13 +302,38 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
     for (const Goal& goal : *goals) {
       PlanResult planned = planner_.plan(end, goal, context.anchor, normal_);
-      if (std::holds_alternative<PlannedMotion>(planned)) return std::nullopt;
-      if (!against) against = std::get<Refusal>(planned);
+      std::optional<Refusal> against_it;
+      if (const auto* found = std::get_if<PlannedMotion>(&planned)) {
+        against_it = no_cooling(*found->motion, context);
+        if (!against_it) return std::nullopt;
+      } else {
+        against_it = std::get<Refusal>(planned);
+      }
+      if (!against) against = std::move(against_it);
     }
   } else {
     against = std::get<Refusal>(landings);
   }
   return refusal_by(Reason::no_landing, *against);
+}
+
+std::optional<Refusal> Strategy::no_cooling(const Motion& motion, const GuideContext& context) {
+  if (!motion.end.contact.left || !motion.end.contact.right || motion.held.total <= 1.0) return std::nullopt;
+  Posture end = motion.end;
+  end.heat = at_least(std::move(end.heat), kHot);  // at the latest then it stands straighter
+  if (straightened(normal_, end, {end, context.anchor, context.last_step, context.foothold})) return std::nullopt;
+  const auto joint = static_cast<std::size_t>(motion.held.joint);
+  return Refusal{Reason::motor_heat, Part::trunk, motion.held.total, 1.0, robot_->joints()[joint].name};
+}
+
+std::optional<PlannedMotion> Strategy::straightened(const Limits& limits, const Posture& rest,
+                                                    const GuideContext& context) {
+  for (const Goal& goal : guide_.straighter(context)) {
+    PlanResult planned = planner_.plan(rest, goal, context.anchor, limits);
+    auto* found = std::get_if<PlannedMotion>(&planned);
+    if (found != nullptr && found->motion->held.total <= 1.0) return std::move(*found);
+  }
+  return std::nullopt;
 }
 
 }  // namespace baton

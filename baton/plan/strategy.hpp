@@ -27,11 +27,13 @@ class Strategy {
   /// Retraces the trail, or the feasible part of it; `remaining` is then set.
   [[nodiscard]] Outcome go_back(const Request& request, std::shared_ptr<const Trail>& remaining);
   /// Finds the quickest motion to rest on both feet.
-  [[nodiscard]] Outcome stop(const Limits& limits, const Request& request);
+  [[nodiscard]] Outcome stop(Limits limits, const Request& request);
   /// A capture step: the first that arrives in time, or else the one that comes closest.
   [[nodiscard]] Outcome catch_step(const Request& request, const Catch& capture);
   /// The quickest motion to any of the goals; a foot in the air may also land earlier than planned.
   [[nodiscard]] Outcome quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
+  /// Stands straighter; nothing if no motion leads to a cooler rest.
+  [[nodiscard]] Outcome cool(const Request& request);
   /// Stops at a planned rest on the trail.
   [[nodiscard]] Outcome halt(const Request& request, const TrailRest& rest);
   /// A motion that goes part of the way to a refused target, if one worth executing is found in a few tries.
@@ -46,6 +48,12 @@ class Strategy {
   [[nodiscard]] static std::optional<Refusal> no_stance(const Motion& motion, const Request& request);
   /// Why a foot that `motion` leaves in the air could not land from there; none: it can.
   [[nodiscard]] std::optional<Refusal> no_landing(const Motion& motion, const GuideContext& context);
+  /// Why the motors would get too hot where `motion` rests on both feet; none: the robot can stay there for ever, or
+  /// stand straighter from there once it is hot.
+  [[nodiscard]] std::optional<Refusal> no_cooling(const Motion& motion, const GuideContext& context);
+  /// A motion from a rest to one that can be held for ever.
+  [[nodiscard]] std::optional<PlannedMotion> straightened(const Limits& limits, const Posture& rest,
+                                                          const GuideContext& context);
 
   const RobotModel* robot_;
   Modes modes_;

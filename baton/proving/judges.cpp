@@ -89,8 +89,8 @@ void WayBack::judge_end(double t, const VecX& q) {
 
 void WayBack::on_plan(const PlanRecord& record) {
   const auto* refusal = std::get_if<Refusal>(&record.answer.outcome);
-  if (!going_ || refusal == nullptr || record.request.command.recall != Recall::retrace || !record.request.start.trail)
-    return;
+  const bool retraces = std::holds_alternative<Retrace>(record.answer.intent);  // or halts there, with hot motors
+  if (!going_ || refusal == nullptr || !retraces || !record.request.start.trail) return;
   ++sum_->tried;
   ++sum_->refused;
   if (exact_)

@@ -28,6 +28,7 @@ void Report::on_tick(const TickRecord& record) {
   commands_.add(record, kinematics_);
   segments_.add(nav, kinematics_.com());
   note_sensors(nav);
+  note_heat(nav);
   has_truth_ = record.truth != nullptr;
   if (!has_truth_) return;
   const Truth& truth = *record.truth;
@@ -51,6 +52,14 @@ void Report::note_sensors(const Navigator& navigator) {
     const auto* changed = std::get_if<SensorChanged>(&event);
     if (changed != nullptr && changed->health == Health::lost) ++sensors_[changed->sensor].lost;
   }
+}
+
+void Report::note_heat(const Navigator& navigator) {
+  const Hottest now = navigator.thermometer().hottest();
+  if (now.total > heat_.most.total) heat_.most = now;
+  heat_.hot += navigator.thermometer().hot() ? 1 : 0;
+  const auto* changed = find_event<HeatChanged>(navigator.events());
+  heat_.times += changed != nullptr && changed->hot ? 1 : 0;
 }
 
 void Report::note_zmp_margin(const Truth& truth) {
@@ -86,6 +95,13 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
     if (count.rejected == 0) continue;
     sensors[std::string(to_string(sensor))] = {{"rejected_ticks", count.rejected}, {"lost", count.lost}};
   }
+  nlohmann::json heat = nullptr;
+  if (heat_.most.joint >= 0) {
+    heat = {{"most", heat_.most.total},
+            {"joint", robot_->joints()[static_cast<std::size_t>(heat_.most.joint)].name},
+            {"hot_s", static_cast<double>(heat_.hot) * robot_->profile().tick.period},
+            {"hot_times", heat_.times}};
+  }
   nlohmann::json report = {
       {"robot", robot_->profile().name},
       {"world", world},
@@ -97,6 +113,7 @@ nlohmann::json Report::json(const std::string& world, const std::string& on, lon
       {"commands", commands_.json()},
       {"travel_m", segments_.travel(kinematics_.com())},
       {"sensors", std::move(sensors)},
+      {"heat", std::move(heat)},
       {"plan_us", plan_.summary()},
       {"tick_us", tick_.summary()},
       {"zmp_margin_m",

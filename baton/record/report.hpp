@@ -34,6 +34,7 @@ class Report : public Sink {
   void note_zmp_margin(const Truth& truth);
   void note_height(const Navigator& navigator);
   void note_sensors(const Navigator& navigator);
+  void note_heat(const Navigator& navigator);
 
   const RobotModel* robot_;
   Kinematics kinematics_;  ///< true configuration
@@ -53,6 +54,12 @@ class Report : public Sink {
     long lost = 0;      ///< times
   };
   BySensor<SensorCount> sensors_;
+  struct HeatCount {
+    Hottest most;    ///< of all motors, at any time
+    long hot = 0;    ///< ticks
+    long times = 0;  ///< that the robot got hot
+  };
+  HeatCount heat_;
 };
 
 }  // namespace baton

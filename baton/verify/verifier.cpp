@@ -13,6 +13,7 @@ constexpr double kWrenchTolerance = 1e-3;  ///< share of the weight that vertex 
 constexpr double kTiltSlack = 0.01;        ///< by which the trunk may lean farther in motion than at rest [rad]
 constexpr double kTiltRounding = 1e-6;     ///< [rad]
 constexpr double kDistanceSlack = 1e-5;    ///< rounding error of a distance that is below its limit already [m]
+constexpr double kHeatSlack = 0.1;         ///< by which a motor that is too hot already may get hotter [permitted rise]
 constexpr double kTravelClearance = 0.2;   ///< clearance of a travelling foot, share of the swing clearance
 constexpr double kTravelSlope = 0.3;       ///< height over horizontal distance, near lift-off and touchdown
 constexpr double kContactHeight = -2.0;    ///< of a sole above the terrain, at lift-off and touchdown [`ik.position`]
@@ -86,7 +87,8 @@ Verifier::Verifier(const RobotModel& robot, const World& world)
       kinematics_(robot),
       forces_(robot, Limits::normal(robot.profile())),
       obstacles_(robot, world),
-      tau_(VecX::Zero(robot.nv() - 6)) {
+      tau_(VecX::Zero(robot.nv() - 6)),
+      heat_model_(robot) {
   const mjModel& m = robot.mj();
   links_.resize(static_cast<std::size_t>(m.nbody) - 1);
   extent_.assign(links_.size(), 0.0);
@@ -150,8 +152,29 @@ void Verifier::check_wrench(Motion& motion, int tick, double t, Ledger& ledger) 
     }
   };
   check_torques(sample.contact);
+  check_heat(motion, t, ledger);
   // In reverse, the contacts of the phase before hold at this sample.
   if (changes) check_torques(before);
+}
+
+void Verifier::check_heat(const Motion& motion, double t, Ledger& ledger) {
+  if (!heat_model_.limited()) return;
+  heat_model_.step(heat_, tau_);
+  for (std::size_t j = 0; j < heat_.size(); ++j) {
+    const double start = motion.heat.empty() ? 0.0 : motion.heat[j].total();
+    const double limit = start > bounds_.limits.heat ? start + kHeatSlack : bounds_.limits.heat;
+    ledger.enter(Reason::motor_heat, Part::trunk, heat_[j].total(), limit, t, static_cast<int>(j));
+  }
+}
+
+Hottest Verifier::held(const MotionSample& last) {
+  if (!heat_model_.limited()) return {};
+  const VecX still = VecX::Zero(robot_->nv());
+  VecX force = still;
+  kinematics_.inverse_dynamics(last.q, still, still, force);
+  const Wrench total = with_com_offset(ground_wrench(kinematics_, force), bounds_.limits.com_offset);
+  joint_torques(kinematics_, force, share_wrench(*robot_, last.sole, last.contact, total), tau_);
+  return heat_model_.held(tau_);
 }
 
 void Verifier::check_tracking(const MotionSample& sample, double t, Ledger& ledger) {
@@ -340,6 +363,7 @@ std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose
   }
   check_footholds(motion, anchor, ledger);
   bounds_.tilt = max_tilt(motion);
+  heat_ = motion.heat.empty() ? heat_model_.cold() : motion.heat;
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];
     const double t = k * motion.period;
@@ -351,6 +375,8 @@ std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose
     check_distances(sample, anchor, k == 0, t, ledger);
   }
   if (std::optional<Refusal> refusal = ledger.refusal(name)) return *std::move(refusal);
+  motion.end.heat = heat_;
+  motion.held = held(motion.samples.back());
   return VerifiedMotion(std::move(motion), ledger.certificate(name));
 }
 

@@ -18,14 +18,15 @@ class Verifier {
   /// Robot and world must outlive the object.
   Verifier(const RobotModel& robot, const World& world);
 
-  /// Checks at every tick: joint positions, speeds, accelerations and torques; residuals of inverse kinematics; trunk
-  /// inclination; the whole-body contact wrench (ZMP, friction, forces at the soles' vertices); the gap between the
-  /// soles; and the clearance of the swing sole. Checks the foothold at every touchdown. Distances from self-collision
-  /// and obstacles are measured again once the links have moved far enough to lower their minimum. The checks of joints
-  /// and swing run at every tick, since the worst value tells how much to stretch the motion; the costlier ones stop at
-  /// the first violation.
+  /// Checks at every tick: joint positions, speeds, accelerations, torques and heat; residuals of inverse kinematics;
+  /// trunk inclination; the whole-body contact wrench (ZMP, friction, forces at the soles' vertices); the gap between
+  /// the soles; and the clearance of the swing sole. Checks the foothold at every touchdown. Distances from
+  /// self-collision and obstacles are measured again once the links have moved far enough to lower their minimum. The
+  /// checks of joints and swing run at every tick, since the worst value tells how much to stretch the motion; the
+  /// costlier ones stop at the first violation.
   ///
-  /// Fills in the samples' `force`, `zmp`, `zmp_height` and `zmp_region`.
+  /// Fills in the samples' `force`, `zmp`, `zmp_height` and `zmp_region`, the heat at the `end`, and `held`.
+  /// A motor that is hotter than allowed to begin with may get a little hotter.
   /// @param motion samples with q, dq, ddq, COM, soles and contacts; `end` and `rest` in the posture of the last one
   /// @param anchor planning frame in the world
   /// @throws std::invalid_argument the motion would rest in another posture than that of its last sample
@@ -37,6 +38,10 @@ class Verifier {
   /// @param jump factor on the joint accelerations
   void check_joints(const MotionSample& sample, double jump, double t, Ledger& ledger) const;
   void check_wrench(Motion& motion, int tick, double t, Ledger& ledger);
+  /// Advances the motors' heat by the torques of this tick, `tau_`.
+  void check_heat(const Motion& motion, double t, Ledger& ledger);
+  /// What the motors come to in the posture of the last sample.
+  [[nodiscard]] Hottest held(const MotionSample& last);
   void check_tracking(const MotionSample& sample, double t, Ledger& ledger);
   void check_footholds(const Motion& motion, const Pose& anchor, Ledger& ledger) const;
   void check_distances(const MotionSample& sample, const Pose& anchor, bool first, double t, Ledger& ledger);
@@ -64,6 +69,8 @@ class Verifier {
   VertexForces forces_;
   Obstacles obstacles_;
   VecX tau_;
+  HeatModel heat_model_;
+  Heat heat_;  ///< at the current tick
   /// Limits of the motion under verification.
   struct Bounds {
     Limits limits;

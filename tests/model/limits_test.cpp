@@ -28,11 +28,13 @@ TEST_P(LimitsTest, AStepThatCatchesTheRobotKeepsWhatTheNextMotionNeeds) {
   EXPECT_LE(push.zmp_plan, normal_.zmp_plan);
   EXPECT_GE(push.zmp_plan, push.zmp_verify);
   EXPECT_EQ(push.torque, 1.0);
+  EXPECT_GT(push.heat, normal_.heat);
   EXPECT_GT(push.acceleration, normal_.acceleration);
   EXPECT_LT(push.swing_clearance, normal_.swing_clearance);
   EXPECT_LT(push.swing_time, normal_.swing_time);
   push.zmp_plan = normal_.zmp_plan;
   push.torque = normal_.torque;
+  push.heat = normal_.heat;
   push.acceleration = normal_.acceleration;
   push.swing_clearance = normal_.swing_clearance;
   push.swing_time = normal_.swing_time;

@@ -230,6 +230,16 @@ backlash = 0
   EXPECT_THAT(complaint(with("[sensors]\nimu_wobble = 1\n")), HasSubstr("sensors.imu_wobble"));
 }
 
+TEST(Profile, MayStateWhatMotorsSustain) {
+  EXPECT_EQ(Profile::load(kMighty / "profile.toml").heat.at("left_knee_flexion").continuous, 0.25);
+  toml::table table = mighty_profile();
+  for (toml::node& row : *table.at_path("drive.gains").as_array())
+    row.as_table()->erase("heat");
+  const RobotModel robot = RobotModel::load(write(table).string());
+  for (const Joint& joint : robot.joints())
+    EXPECT_EQ(steady(joint.motor.thermal, 1.0), 0.0) << "without it, nothing";
+}
+
 TEST(Profile, RefusesWhatDoesNotGoTogether) {
   const auto expect = [](const std::string& path, const auto& value, const std::string& key) {
     EXPECT_THAT(complaint_with(path, value), AllOf(HasSubstr("baton_profile.toml"), HasSubstr(key))) << path;
@@ -243,6 +253,7 @@ TEST(Profile, RefusesWhatDoesNotGoTogether) {
   expect("duration.default", 1e-9, "duration.default");
   expect("tick.lookahead", 6.5, "tick.lookahead");
   expect("drive.kind", std::string("hope"), "drive.kind");
+  expect("drive.gains[0].heat.housing_time", 9.0, "drive.gains[0].heat.housing_time");
 }
 
 TEST(Profile, NamesWhatTheModelHasNot) {

@@ -69,8 +69,10 @@ class FuzzedRun {
   /// Nothing goes wrong any more, and the stick is let go of until the robot can be driven again.
   void calm_down() {
     trouble_ = Trouble::none;
-    for (long k = 0; k < 8 * second_ && (k < second_ || navigator_.guard() != Guard::armed || navigator_.disturbed());
-         ++k)
+    const auto waits = [this] {
+      return navigator_.guard() != Guard::armed || navigator_.disturbed() || navigator_.thermometer().hot();
+    };
+    for (long k = 0; k < 20 * second_ && (k < second_ || waits()); ++k)
       step({}, false);
   }
 

@@ -149,6 +149,11 @@ class RefusalsTest : public testing::TestWithParam<std::string> {
         p.margin.torque = 0.01;
         c.command = step;
         break;
+      case Reason::motor_heat:
+        for (const Joint& joint : robot_.joints())
+          p.heat[joint.name].continuous = 0.02;  // hot before the foot is down
+        c.command = step;
+        break;
       case Reason::friction:
         p.margin.friction = 1e-3;
         p.duration.max = p.duration.first;
@@ -211,6 +216,30 @@ TEST_P(RefusalsTest, AFootThatASlipBroughtNearerToAStepThanTheMarginCanLeave) {
       EXPECT_TRUE(std::holds_alternative<PlannedMotion>(result.outcome)) << away;
     }
   }
+}
+
+TEST_P(RefusalsTest, ARestThatCannotBeHeldForEverNeedsAWayToOneThatCan) {
+  Case c;
+  c.profile = robot_.profile();
+  c.command = push(Part::trunk, 2, -1.0);
+  const Answer cool = plan(c);
+  ASSERT_NE(cool.motion(), nullptr);
+  const Hottest held = cool.motion()->held;
+  ASSERT_GT(held.total, 0.0);
+  // Motors that can just not hold the squat, though the way there is cool.
+  for (const Joint& joint : robot_.joints()) {
+    Thermal& motor = c.profile.heat[joint.name];
+    motor.continuous *= 0.99 * std::sqrt(held.total);
+    motor.winding_time = motor.housing_time = 1e4;
+  }
+  EXPECT_NE(plan(c).motion(), nullptr) << "it can rise again";
+  // One that may not stand higher than that has no such way.
+  c.profile.region.com_height.hi = 1.0005 * c.profile.region.com_height.lo;
+  const Answer warm = plan(c);
+  ASSERT_NE(warm.refusal(), nullptr);
+  EXPECT_EQ(warm.refusal()->reason, Reason::motor_heat);
+  EXPECT_EQ(warm.refusal()->where, robot_.joints()[static_cast<std::size_t>(held.joint)].name);
+  EXPECT_NEAR(warm.refusal()->value, 1.0 / (0.99 * 0.99), 1e-6);
 }
 
 TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {

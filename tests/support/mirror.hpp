@@ -137,6 +137,12 @@ class Mirror {
     return result;
   }
 
+  [[nodiscard]] Heat of(const Heat& heat) const {
+    Heat result = heat;
+    for (std::size_t i = 0; i < heat.size(); ++i)
+      result[static_cast<std::size_t>(twin_[i])] = heat[i];
+    return result;
+  }
   [[nodiscard]] Posture of(const Posture& p) const {
     Posture result = p;
     result.q = configuration(p.q);
@@ -153,6 +159,7 @@ class Mirror {
     result.contact_before = of(p.contact_before);
     result.lift_off = of(p.lift_off);
     result.flight = of(p.flight);
+    result.heat = of(p.heat);
     return result;
   }
   [[nodiscard]] GuideContext of(const GuideContext& c) const {
@@ -179,6 +186,7 @@ class Mirror {
     result.goal = of(motion.goal);
     result.dq0 = velocity(motion.dq0);
     result.contact_before = of(motion.contact_before);
+    result.heat = of(motion.heat);
     for (ContactPhase& phase : result.phases)
       phase.contact = of(phase.contact);
     for (MotionSample& sample : result.samples)

@@ -1,0 +1,35 @@
+/// How hot the motors are, by the torques that they give, and whether the robot has to let them cool. There is no
+/// sensor for it: a robot that is switched on counts as cold.
+#pragma once
+
+#include "baton/balance/measurement.hpp"
+#include "baton/model/heat.hpp"
+#include "baton/motion/motion.hpp"
+
+namespace baton {
+
+class Thermometer {
+ public:
+  /// The robot must outlive the object.
+  explicit Thermometer(const RobotModel& robot);
+
+  /// Advances by one tick. Allocates nothing.
+  /// @param measured believed; a torque that is not finite, or beyond what the motor can give, counts as commanded
+  /// @param commanded joint targets of this tick
+  void update(const Measurement& measured, const JointTarget& commanded);
+
+  /// Of all motors (n).
+  [[nodiscard]] const Heat& heat() const { return heat_; }
+  [[nodiscard]] Hottest hottest() const { return baton::hottest(heat_); }
+  /// Whether a motor is so hot that nothing new is begun before it has cooled down: hysteresis from `kHot` to 0.7.
+  [[nodiscard]] bool hot() const { return hot_; }
+
+ private:
+  const RobotModel* robot_;
+  HeatModel model_;
+  Heat heat_;
+  VecX torque_;  ///< of the currents (n) [N·m]
+  bool hot_ = false;
+};
+
+}  // namespace baton
