@@ -84,10 +84,11 @@ std::vector<Goal> Guide::straighter(const GuideContext& context) const {
   const double height = context.from.com.z() - context.from.support_height();
   const double rise = std::max(0.0, robot_->profile().region.com_height.hi - height);
   for (const Mat3& trunk : {Mat3(goal.trunk), rotation_z(mean_yaw(goal.sole))}) {
+    const bool turned = rotation_error(trunk, goal.trunk).norm() > kSameYaw;
     goal.trunk = trunk;
     for (const double share : kStraighter) {
       goal.com = middle + Vec3(0, 0, share * rise);
-      if ((goal.com - context.from.com).norm() > same_place()) goals.push_back(goal);
+      if ((goal.com - context.from.com).norm() > same_place() || turned) goals.push_back(goal);
     }
   }
   return goals;

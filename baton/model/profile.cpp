@@ -150,7 +150,7 @@ std::array<double, N> shares(const Reader& read, const std::string& key) {
 Thermal thermal(const Reader& read, const std::string& key) {
   Thermal t;
   t.continuous = read.positive(key + ".continuous", 1);
-  t.winding = read.number(key + ".winding", 0, 1);
+  t.winding = read.number(key + ".winding", 0.01, 1);
   t.winding_time = read.positive(key + ".winding_time", 1e4);
   t.housing_time = read.positive(key + ".housing_time", 1e5);
   if (t.housing_time < t.winding_time) read.complain(key + ".housing_time", "at least winding_time");

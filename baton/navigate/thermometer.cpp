@@ -1,14 +1,18 @@
 #include "baton/navigate/thermometer.hpp"
 
+#include <algorithm>
 #include <cmath>
-
-#include "baton/plan/request.hpp"
+#include <utility>
 
 namespace baton {
 namespace {
 
-constexpr double kCooled = 0.7;  ///< rise below which the robot goes on [permitted rise]
-constexpr double kTorque = 1.5;  ///< largest motor torque, as currents tell it [stall torque]
+constexpr double kCooled = 0.7;    ///< rise below which the robot goes on [permitted rise]
+constexpr double kSettled = 0.02;  ///< distance from its final rise at which a motor gets no cooler [permitted rise]
+constexpr double kSettling = 5.0;  ///< time after which the winding tells that final rise [its time constant]
+constexpr double kReserve = 0.1;   ///< between that rise and the one at which the robot is hot again [permitted rise]
+constexpr double kHottest = 0.95;  ///< rise at which it is hot in any case [permitted rise]
+constexpr double kTorque = 1.5;    ///< largest motor torque, as currents tell it [stall torque]
 
 }  // namespace
 
@@ -24,7 +28,22 @@ void Thermometer::update(const Measurement& measured, const JointTarget& command
         told ? measured.torque[j] - motor.damping * measured.dq[j] : commanded.tau[j] - motor.damping * commanded.dq[j];
   }
   model_.step(heat_, torque_);
-  hot_ = hottest().total >= (hot_ ? kCooled : kHot);
+  judge();
+}
+
+void Thermometer::judge() {
+  const Hottest now = hottest();
+  if (now.total < kCooled) hot_from_ = kHot;
+  const bool was_hot = std::exchange(hot_, now.total >= (hot_ ? kCooled : hot_from_));
+  if (!was_hot) hot_time_ = 0.0;
+  if (!hot_) return;
+  hot_time_ += robot_->profile().tick.period;
+  // A rest may be held for ever and yet keep a motor above `kCooled`: to wait there any longer is of no use.
+  const Thermal& motor = robot_->joints()[static_cast<std::size_t>(now.joint)].motor.thermal;
+  const double final = heat_[static_cast<std::size_t>(now.joint)].winding / motor.winding;
+  if (hot_time_ < kSettling * motor.winding_time || now.total > final + kSettled || now.total >= kHottest) return;
+  hot_ = false;
+  hot_from_ = std::clamp(now.total + kReserve, kHot, kHottest);
 }
 
 }  // namespace baton

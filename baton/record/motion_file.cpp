@@ -34,6 +34,25 @@ BySide<bool> contact_in(const JsonReader& read) {
   return {read.at("left").boolean(), read.at("right").boolean()};
 }
 
+Json heat_json(const Heat& heat) {
+  Json motors = Json::array();
+  for (const Warmth& motor : heat)
+    motors.push_back({motor.winding, motor.housing});
+  return motors;
+}
+
+Heat heat_in(const JsonReader& read, const RobotModel& robot) {
+  Heat heat;
+  for (const JsonReader& motor : read.list()) {
+    const VecX parts = motor.vector(2);
+    if (!(parts.minCoeff() >= 0.0)) motor.fail("the heat of winding and housing, neither below 0");
+    heat.push_back({parts[0], parts[1]});
+  }
+  if (!heat.empty() && heat.size() != robot.joints().size())
+    read.fail(fmt::format("the heat of none or of all {} motors", robot.joints().size()));
+  return heat;
+}
+
 std::string place_of(const std::filesystem::path& file) {
   return fmt::format("motion {}", file.string());
 }
@@ -66,6 +85,7 @@ Json motion_file(const Motion& motion, const MotionPlace& place) {
           {"retraces", motion.retraces},
           {"returns", motion.goal.returns},
           {"unsure", motion.goal.place_uncertainty},
+          {"heat", heat_json(motion.heat)},
           {"samples", samples}};
 }
 
@@ -109,6 +129,7 @@ Motion read_motion(const std::filesystem::path& file, const RobotModel& robot) {
   motion.retraces = read.at("retraces").boolean();
   motion.goal.returns = read.at("returns").boolean();
   motion.goal.place_uncertainty = read.at("unsure").number();
+  motion.heat = heat_in(read.at("heat"), robot);
   motion.dq0 = read.at("dq0").vector(robot.nv());
   differentiate(robot, motion);
   return motion;

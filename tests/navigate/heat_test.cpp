@@ -256,6 +256,36 @@ TEST_P(MotorHeatTest, AMirroredMotionHeatsTheMotorsOfTheOtherSide) {
   EXPECT_GT(compared, 10);
 }
 
+TEST_P(MotorHeatTest, WhatARestKeepsWarmIsNotWaitedFor) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(0.05, 0.9);
+  for (int k = 0; k < 200; ++k) {
+    const double rest = uniform(random);  // final rise of the motor with the largest load
+    Thermometer thermometer(small_);
+    JointTarget target;
+    target.tau = target.dq = VecX::Zero(robot_.nv() - 6);
+    const Joint& joint = small_.joints().front();
+    Measurement measured;
+    const auto load = [&](double final) {
+      target.tau[0] = std::sqrt(final) * joint.motor.thermal.continuous * joint.motor.stall;
+      thermometer.update(measured, target);
+    };
+    while (!thermometer.hot())
+      load(3.0);
+    // The housing may make it hot once more.
+    long waits = 0;
+    for (long tick = 0; tick < std::lround(600.0 * second_); ++tick) {
+      load(rest);
+      waits += thermometer.hot() ? 1 : 0;
+    }
+    EXPECT_FALSE(thermometer.hot()) << rest;
+    EXPECT_LT(waits, std::lround(100.0 * second_)) << rest;
+    while (!thermometer.hot() && thermometer.hottest().total < 1.0)
+      load(3.0);
+    EXPECT_LT(thermometer.hottest().total, std::max(0.81, std::min(0.951, rest + 0.13))) << rest;
+  }
+}
+
 TEST_P(MotorHeatTest, TorquesThatCannotBeAreTakenAsCommanded) {
   const Eigen::Index n = robot_.nv() - 6;
   JointTarget target;
