@@ -99,8 +99,8 @@ void add_physics(CLI::App& command, PhysicsOptions& physics) {
       ->check(CLI::IsMember({"torque", "pd", "stiff"}));
   command
       .add_option("--plant", physics.plant,
-                  "Simulated robot: model (exact, the default) or real (with the profile's errors of sensors and "
-                  "actuators, drawn by --seed)")
+                  "Simulated robot: real (the default: with the profile's errors of sensors and actuators, drawn by "
+                  "--seed) or model (exact)")
       ->check(CLI::IsMember({"model", "real"}));
   command.add_option("--scenario", physics.scenario,
                      "Disturbances on top of the plant, drawn by --seed (list: docs/balance.md)");

@@ -21,7 +21,7 @@ struct ModeOptions {
 struct PhysicsOptions {
   std::string state = "sensors";
   std::optional<std::string> drive;     ///< overrides the profile's
-  std::optional<std::string> plant;     ///< model or real
+  std::optional<std::string> plant;     ///< real or model; none: real in physics
   std::optional<std::string> scenario;  ///< what is added to the plant
   double times = 1.0;                   ///< scales that
 };

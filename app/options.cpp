@@ -29,8 +29,8 @@ Simulation::On on_named(const std::string& on) {
   return on == "sim" ? Simulation::On::sim : Simulation::On::ideal;
 }
 
-bool is_real(const PhysicsOptions& options) {
-  return options.plant == "real";
+bool is_real(const PhysicsOptions& options, const std::string& on) {
+  return on == "sim" && options.plant.value_or("real") == "real";
 }
 
 void check_times(const Scenario& scenario, double times) {
@@ -53,7 +53,7 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
   const Scenario* scenario = options.scenario ? &scenario_named(*options.scenario) : nullptr;
   if (scenario != nullptr) check_times(*scenario, options.times);
   SimulatedRobot::Parameters parameters;
-  parameters.plant = plant_of(is_real(options), scenario, robot, static_cast<std::uint64_t>(seed), options.times);
+  parameters.plant = plant_of(is_real(options, on), scenario, robot, static_cast<std::uint64_t>(seed), options.times);
   return parameters;
 }
 

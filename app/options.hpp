@@ -24,8 +24,8 @@ namespace baton::app {
 /// sim or ideal.
 [[nodiscard]] Simulation::On on_named(const std::string& on);
 
-/// Whether the plant is `real`.
-[[nodiscard]] bool is_real(const PhysicsOptions& options);
+/// Whether the plant is `real`: in physics, unless `model` is asked for.
+[[nodiscard]] bool is_real(const PhysicsOptions& options, const std::string& on);
 
 /// Checks that a plant or scenario is only asked for in physics.
 /// @param on sim or ideal

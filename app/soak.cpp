@@ -37,7 +37,7 @@ class SoakReport {
                {"on_limit", o.modes.on_limit},
                {"seed", o.seed},
                {"state", o.physics.state},
-               {"plant", o.physics.plant.value_or("model")},
+               {"plant", is_real(o.physics, o.on) ? "real" : "model"},
                {"drive", std::string(to_string(robot.profile().drive))},
                {"answer_delay_ms", o.answers.delay_ms},
                {"answer_loss", o.answers.loss},
@@ -133,7 +133,7 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
   if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
-  if (o.physics.scenario || is_real(o.physics) || faults_of(o.answers).any())
+  if (o.physics.scenario || is_real(o.physics, o.on) || faults_of(o.answers).any())
     physics += fmt::format(" --seed {}", seed);
   fmt::print(
       "  baton drive --robot {} --world {} --on {}{} --duration {} --gait {} --on-limit {} --input script:{} --fast "
@@ -158,7 +158,7 @@ int soak(const SoakOptions& o) {
   trial.seed = static_cast<std::uint64_t>(o.seed);
   trial.seconds = o.episode.value_or(trial.seconds);
   trial.answers = faults_of(o.answers);
-  trial.real = is_real(o.physics);
+  trial.real = is_real(o.physics, o.on);
   const Episodes episodes(robot, world, trial);
   check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
   SoakReport report(o, robot, world);

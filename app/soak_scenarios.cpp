@@ -121,7 +121,7 @@ class Rows {
     trial.state = state_named(options_.physics.state);
     trial.seed = static_cast<std::uint64_t>(options_.seed);
     trial.seconds = options_.episode.value_or(scenario.seconds);
-    trial.real = is_real(options_.physics);
+    trial.real = is_real(options_.physics, options_.on);
     trial.scenario = &scenario;
     trial.times = times;
     trial.answers = faults_of(options_.answers);
@@ -252,7 +252,7 @@ int soak_scenarios(const SoakOptions& given) {
   const World world = World::load(o.world);
   Json report = {{"robot", o.robot},
                  {"world", world.name()},
-                 {"plant", o.physics.plant.value_or("model")},
+                 {"plant", is_real(o.physics, "sim") ? "real" : "model"},
                  {"state", o.physics.state},
                  {"seed", o.seed},
                  {"times", o.physics.times},

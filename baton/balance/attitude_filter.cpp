@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kAttitudeRate = 0.03;  ///< at which roll and pitch follow the sensor's attitude [ω]
 constexpr double kGravityRate = 0.1;    ///< at which roll and pitch follow the direction of gravity [ω]
-constexpr double kTilted = 0.5;   ///< bound of the tilt that one reading of gravity tells: beyond, it is a blow [rad]
+constexpr double kTilted =
+    0.05;  ///< bound of the tilt that gravity tells: what is beyond is acceleration, as by a push [rad]
 constexpr double kWander = 0.15;  ///< fastest error of the sensor's attitude that is corrected by the gyro [rad/s]
 
 }  // namespace

@@ -21,6 +21,8 @@ constexpr double kTippingTime = 0.18;    ///< time after which an excess moment 
 constexpr double kMaxTippingGain = 4.0;  ///< largest factor on compliance with excess moment while tipping
 constexpr double kAirRate = 1.6;         ///< decay of the offset in the air
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
+constexpr double kOld = 0.066;           ///< age of measurements that halves the compliance with excess load
+constexpr double kAgeRate = 0.3;         ///< low-pass of that age
 // The legs' kinematics, a numerical iteration:
 constexpr double kDamping = 1e-6;      ///< added to half of the squared error [m², rad²]
 constexpr int kMaxSteps = 4;           ///< iterations
@@ -68,6 +70,9 @@ Footing::Footing(const RobotModel& robot)
 
 void Footing::follow(const MotionSample& now, const MotionSample& next, const State& state,
                      const BySide<Wrench>& wanted) {
+  // Admittance is an integrator around the servos' stiffness: what is stable is inversely proportional to the delay.
+  age_ += share_of(kAgeRate) * (state.age * robot_->omega() - age_);
+  compliance_ = 1.0 / (1.0 + age_ / kOld);
   BySide<double> carries;
   for (const Side side : kSides) {
     const double load = state.force[side].force.z() / weight_;
@@ -104,8 +109,8 @@ void Footing::relax(const State& state, const BySide<Wrench>& wanted) {
   const Vec2 apart = 0.5 * force.head<2>() / weight_;
   const double against = 0.5 * twist / (weight_ * height_);
   for (const Side side : kSides) {
-    offset_[side].p.head<2>() += sign_of(side) * share_of(rates_.relax) * height_ * apart;
-    offset_[side].turn.z() += sign_of(side) * share_of(rates_.untwist) * against;
+    offset_[side].p.head<2>() += sign_of(side) * share_of(compliance_ * rates_.relax) * height_ * apart;
+    offset_[side].turn.z() += sign_of(side) * share_of(compliance_ * rates_.untwist) * against;
   }
 }
 
@@ -121,7 +126,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
 
   // Admittance: comply with excess force and moment.
   const double heavier = (force.force.z() - wanted.force.z()) / weight_;
-  const double yields = share_of(early ? rates_.yield_early : rates_.yield_height) * height_;
+  const double yields = share_of(compliance_ * (early ? rates_.yield_early : rates_.yield_height)) * height_;
   offset.p.z() += carries * yields * beyond(heavier, rates_.force_band);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
   const double band = rates_.moment_band * force.force.z() / weight_;
@@ -132,7 +137,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   // Terrain under the whole sole would have balanced a moment that lasts so long: the sole tips on an edge. The state
   // is kept in the air until the sole lands.
   const double faster = std::clamp(tipping.duration / kTippingTime, 1.0, kMaxTippingGain);
-  offset.turn.head<2>() += carries * share_of(rates_.yield_tilt) * faster * tips;
+  offset.turn.head<2>() += carries * share_of(compliance_ * rates_.yield_tilt) * faster * tips;
 
   // A sole that tips over its edge tells nothing about the terrain.
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;

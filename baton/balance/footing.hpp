@@ -82,6 +82,8 @@ class Footing {
   VecX shifted_;  ///< planned configuration with that change (nq)
   BySide<Offset> offset_;
   BySide<Tipping> tipping_;
+  double age_ = 0.0;                ///< of the measurements, low-passed [1/ω]
+  double compliance_ = 1.0;         ///< factor on the compliance with excess load
   Vec2 floor_tilt_ = Vec2::Zero();  ///< tilt of the terrain relative to the map: `turn` of flat soles, low-passed [rad]
   BySide<double> missing_time_{0.0, 0.0};  ///< time for which an expected contact has been missing [s]
 };

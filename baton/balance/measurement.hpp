@@ -15,10 +15,11 @@ struct RootMeasurement {
 };
 
 struct Measurement {
-  double t = 0.0;  ///< [s]
-  VecX q;          ///< joint angles (n) [rad]
-  VecX dq;         ///< joint speeds (n) [rad/s]
-  VecX torque;     ///< motor torques by their currents (n) [N·m]; empty: not measured
+  double t = 0.0;    ///< when the sensors were read [s]
+  double age = 0.0;  ///< time from then until now, by the robot's clock [s]
+  VecX q;            ///< joint angles (n) [rad]
+  VecX dq;           ///< joint speeds (n) [rad/s]
+  VecX torque;       ///< motor torques by their currents (n) [N·m]; empty: not measured
   struct Imu {
     Mat3 attitude = Mat3::Identity();  ///< of the sensor in its world frame, whose yaw is arbitrary
     Vec3 rate = Vec3::Zero();          ///< angular velocity, in the sensor frame [rad/s]

@@ -9,6 +9,7 @@ namespace baton {
 namespace {
 
 constexpr double kBridge = 0.3;      ///< longest time that a prediction stands in for a sensor [s]
+constexpr double kOldest = 0.1;      ///< largest age of a measurement that is taken into account [s]
 constexpr double kFastest = 1.5;     ///< largest speed of a joint, as a fall may drive it [no-load speed]
 constexpr double kSpeedJump = 12.0;  ///< largest change of a speed in a tick: noise of encoders [rad/s]
 constexpr double kStep = 0.035;      ///< change of an angle beyond its speed: noise and backlash [rad]
@@ -49,6 +50,7 @@ const Measurement& SensorCheck::check(const Measurement& measurement, const Moti
     checked_.dq = planned.dq.tail(robot_->nv() - 6);
   }
   checked_.t = measurement.t;
+  checked_.age = std::isfinite(measurement.age) ? std::clamp(measurement.age, 0.0, kOldest) : kOldest;
   checked_.root = measurement.root;
   if (repeats(measurement) && planned.dq.norm() > check::kMoves) {
     predict(planned);

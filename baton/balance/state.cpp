@@ -11,6 +11,7 @@ Estimator::Estimator(const RobotModel& robot)
 
 const State& Estimator::update(const Measurement& measurement, const Pose& anchor) {
   if (!measurement.root) throw std::invalid_argument("Estimator: the measurement has no root pose");
+  state_.age = measurement.age;
   const Pose to_plan = anchor.inverse();
   set_root(state_.q, to_plan * measurement.root->pose);
   state_.q.tail(robot_->nv() - 6) = measurement.q;

@@ -14,6 +14,7 @@ struct State {
   Mat3 trunk = Mat3::Identity();   ///< attitude
   Vec3 trunk_rate = Vec3::Zero();  ///< angular velocity [rad/s]
   BySide<Pose> sole;
+  double age = 0.0;      ///< of the measurement [s]
   BySide<Wrench> force;  ///< contact wrench on each sole, in the axes of the planning frame, moment about its centre
 
   /// Divergent component of motion [m].

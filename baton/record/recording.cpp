@@ -45,6 +45,7 @@ Command command_in(const JsonReader& read) {
 
 Json measurement_json(const Measurement& m) {
   Json json = {{"t", m.t},
+               {"age", std::isfinite(m.age) ? m.age : 0.0},
                {"q", vector_json(m.q)},
                {"dq", vector_json(m.dq)},
                {"torque", vector_json(m.torque)},
@@ -74,6 +75,7 @@ Wrench wrench_in(const JsonReader& read) {
 Measurement measurement_in(const JsonReader& read, Eigen::Index joints, bool need_root) {
   Measurement m;
   m.t = read.at("t").number();
+  if (read.has("age")) m.age = read.at("age").number();
   m.q = reading_in(read.at("q"), joints);
   m.dq = reading_in(read.at("dq"), joints);
   const JsonReader torque = read.at("torque");

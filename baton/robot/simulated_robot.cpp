@@ -119,6 +119,12 @@ void SimulatedRobot::write(const JointTarget& target) {
   check_fall();
 }
 
+Measurement SimulatedRobot::read() {
+  Measurement measurement = readings_.front();
+  measurement.age = data_->time - measurement.t;
+  return measurement;
+}
+
 void SimulatedRobot::observe() {
   const mjModel& m = *model_;
   truth_.t = data_->time;

@@ -26,7 +26,7 @@ class SimulatedRobot : public Robot {
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
                  Parameters parameters);
 
-  [[nodiscard]] Measurement read() override { return readings_.front(); }
+  [[nodiscard]] Measurement read() override;
   void write(const JointTarget& target) override;
   void reset() override;
   [[nodiscard]] const Truth* truth() const override { return &truth_; }
