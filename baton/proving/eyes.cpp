@@ -7,7 +7,7 @@
 namespace baton {
 namespace {
 
-constexpr double kWatched = 0.4;  ///< time over which a motion is watched to foresee how it goes on [s]
+constexpr double kRemembered = 1.0;  ///< to foresee how a motion goes on [s]
 
 Place place(const Vec3& p, double yaw = 0.0) {
   return {p.x(), p.y(), p.z(), yaw};
@@ -26,7 +26,7 @@ Eyes::Eyes(const RobotModel& robot, std::uint64_t seed, const Parameters& parame
     : parameters_(parameters),
       period_(robot.profile().tick.period),
       delay_(static_cast<std::size_t>(std::lround(parameters.reaction / period_))),
-      kept_(static_cast<std::size_t>(std::lround(kWatched / period_))),
+      kept_(static_cast<std::size_t>(std::lround(kRemembered / period_))),
       random_(seed),
       kinematics_(robot) {}
 
@@ -63,15 +63,25 @@ const Seen* Eyes::look(const Operator::View& view) {
 }
 
 Sight Eyes::foresee(double ahead) const {
-  const std::size_t newest = seen_.size() - 1 - delay_;
-  const std::size_t watched = std::min(newest, kept_);
-  const Sight& now = seen_[newest].sight;
-  if (watched == 0) return now;
-  const Sight& before = seen_[newest - watched].sight;
-  const double share = ahead / (static_cast<double>(watched) * period_);
-  Sight then = now;
-  for (Place Sight::*thing : {&Sight::trunk, &Sight::hand, &Sight::shoulder})
-    then.*thing += share * (now.*thing - before.*thing);
+  const std::size_t end = seen_.size() - delay_;
+  const std::size_t count = std::min(end, kept_);
+  Sight then = seen_[end - 1].sight;
+  for (Place Sight::*thing : {&Sight::trunk, &Sight::hand, &Sight::shoulder}) {
+    // The line that fits best.
+    const double middle = 0.5 * static_cast<double>(count - 1);
+    Place mean = Place::Zero();
+    Place slope = Place::Zero();
+    double norm = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Place& place = seen_[end - count + i].sight.*thing;
+      const double off = static_cast<double>(i) - middle;
+      mean += place / static_cast<double>(count);
+      slope += off * place;
+      norm += off * off;
+    }
+    then.*thing = mean;
+    if (norm > 0.0) then.*thing += (middle + ahead / period_) / norm * slope;
+  }
   return then;
 }
 

@@ -15,6 +15,7 @@ constexpr double kHeightTolerance = 0.003;  ///< [m]
 constexpr double kLeastSteering = 0.5;      ///< deflection below which steering ends
 constexpr double kYawTolerance = 0.05;      ///< [rad]
 constexpr double kFromTarget = 0.95;        ///< distance of the shoulder from the hand's target, in reaches
+constexpr double kStepBack = 1.0;           ///< it goes back for so long when it is stuck at a step [s]
 constexpr double kCoast = 0.2;              ///< the robot goes on for so long once the stick is let go of [s]
 constexpr double kLeastDoubt = 0.0005;      ///< of what a tap does [m]
 constexpr double kDoubt = 0.1;              ///< of what a tap does, share of what it asks for
@@ -22,21 +23,19 @@ constexpr double kAnswered = 0.1;           ///< from a tap to when the page sho
 
 }  // namespace
 
-RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait)
-    : RoomOperator(robot, world, seed, gait, Parameters{}) {}
+RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed)
+    : RoomOperator(robot, world, seed, Parameters{}) {}
 
-RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait,
+RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed,
                            Parameters parameters)
     : robot_(&robot),
-      gait_(gait),
       parameters_(parameters),
       eyes_(robot, seed, parameters.eyes),
       means_{{Mean(parameters.eyes), Mean(parameters.eyes)},
              Mean(parameters.eyes),
              Mean(parameters.eyes),
              Mean(parameters.eyes)},
-      room_{world.site("door_B").p, {}},
-      foot_by_foot_(gait == Gait::stop || parameters.foot_by_foot) {
+      room_{world.site("door_B").p, {}} {
   const Vec3 start = world.site("start").p;
   double height = start.z();
   for (double x = start.x(); x < room_.door.x(); x += 1e-4) {
@@ -70,8 +69,8 @@ Command RoomOperator::decide(const View& view) {
   const Seen* seen = eyes_.look(view);
   if (seen == nullptr) return stick_;
   note(*seen);
-  const bool taps = gait_ == Gait::stop || (stage_ == Stage::steps && foot_by_foot_) || steered_ == stage_;
-  return taps ? tap(*seen, view.t) : steer(view.t);
+  const bool steers = (stage_ == Stage::steps && !parameters_.foot_by_foot) || (stage_ == Stage::cross && !steered_);
+  return steers ? steer(view.t) : tap(*seen, view.t);
 }
 
 void RoomOperator::note(const Seen& seen) {
@@ -94,12 +93,13 @@ void RoomOperator::note(const Seen& seen) {
     means_.shoulder.see(page.t, seen.sight.shoulder);
   }
   looked_ = page.t - rests_since_;
+  if (getenv("XY")) fprintf(stderr, "XY page %.3f act %d pend %d seen %.3f mean %.3f doubt %.4f\n", page.t, (int)page.activity, deflection_.pending, seen.sight.trunk[0], means_.trunk.place()[0], means_.trunk.doubt());
 }
 
 void RoomOperator::conclude(const Page& page) {
   deflection_.pending = false;
   const bool refused = page.refusals > deflection_.refused || !deflection_.moved;
-  deflection_.refusals = refused || deflection_.limited ? deflection_.refusals + 1 : 0;
+  deflection_.refusals = refused ? deflection_.refusals + 1 : 0;
   if (!deflection_.moved) return;
   const Vec3& shift = deflection_.shift;
   const double doubt = deflection_.limited ? shift.norm() : kLeastDoubt + kDoubt * shift.norm();
@@ -129,27 +129,27 @@ Sight RoomOperator::steady() const {
 }
 
 Command RoomOperator::steer(double t) {
-  if (t - deflection_.since < parameters_.glance) return stick_;
+  if (t - deflection_.since < (stick_.axes[0] < 0.0 ? kStepBack : parameters_.glance)) return stick_;
   deflection_.since = t;
+  deflection_.pending = false;
   const bool idle = !stick_.axes.isZero(0.0) && looked_ > parameters_.glance;
   deflection_.refusals = idle ? deflection_.refusals + 1 : 0;
   const Sight sight = eyes_.foresee(parameters_.eyes.reaction + kCoast);
   std::optional<Command> command = next(sight);
-  while (!command && stage_ < Stage::cross) {  // go on without a rest
-    stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
+  if (!command && stage_ == Stage::steps) {  // down the steps; go on without a rest
+    stage_ = Stage::cross;
     command = next(sight);
   }
   if (command && command->axes.cwiseAbs().maxCoeff() > kLeastSteering && deflection_.refusals < 3) {
     stick_ = *command;
     return stick_;
   }
-  // Close: continue by taps. If walking down fails, go down foot by foot.
   stick_.axes.setZero();
-  steered_ = stage_;
-  if (stage_ == Stage::steps) {
-    foot_by_foot_ = true;
-    stage_ = Stage::crouch;
+  if (stage_ == Stage::steps) {  // stuck: other footholds may do
+    stick_.axes[0] = -1.0;
     deflection_.refusals = 0;
+  } else {
+    steered_ = true;  // close: go on by taps
   }
   return stick_;
 }
@@ -166,6 +166,7 @@ Command RoomOperator::tap(const Seen& seen, double t) {
   }
   if (!command) return stick_;
   stick_ = *command;
+  if (getenv("XX")) fprintf(stderr, "XX %.2f tap %s axes %.2f %.2f %.2f | %.2f ref %d  hand %.3f %.3f %.3f doubt %.4f sh %.3f %.3f %.3f limited-before %d\n", t, std::string(to_string(stick_.guide)).c_str(), stick_.axes[0], stick_.axes[1], stick_.axes[2], stick_.axes[5], deflection_.refusals, steady().hand[0], steady().hand[1], steady().hand[2], means_.hand.doubt(), steady().shoulder[0], steady().shoulder[1], steady().shoulder[2], deflection_.limited);
   deflection_.pending = true;
   deflection_.since = t;
   deflection_.refused = page.refusals;
@@ -181,11 +182,11 @@ std::optional<Command> RoomOperator::next(const Sight& sight) {
     case Stage::face:
       return face(sight);
     case Stage::crouch:
-      return foot_by_foot_ ? change_height(sight, kCrouch * nominal) : std::nullopt;
+      return parameters_.foot_by_foot ? change_height(sight, kCrouch * nominal) : std::nullopt;
     case Stage::steps:
-      return foot_by_foot_ ? go_down(sight) : walk_down(sight);
+      return parameters_.foot_by_foot ? go_down(sight) : walk_down(sight);
     case Stage::rise:
-      return foot_by_foot_ ? change_height(sight, nominal) : std::nullopt;
+      return parameters_.foot_by_foot ? change_height(sight, nominal) : std::nullopt;
     case Stage::cross:
       return cross(sight);
     case Stage::reach:
@@ -214,15 +215,19 @@ double RoomOperator::turn_back(double yaw) const {
 std::optional<Command> RoomOperator::face(const Sight& sight) const {
   // The trunk turns first; the feet follow when necessary.
   const double trunk = sight.trunk[3];
-  if ((std::abs(trunk) < kYawTolerance && std::abs(sight.heading()) < 2.0 * kYawTolerance) || deflection_.refusals > 6)
+  if ((std::abs(trunk) < 2.4 * kYawTolerance && std::abs(sight.heading()) < 2.4 * kYawTolerance) || deflection_.refusals > 6)
     return std::nullopt;
   Command command;
-  command.axes[5] = turn_back(std::abs(trunk) < kYawTolerance ? sight.heading() : trunk);
+  command.axes[5] = turn_back(std::abs(trunk) < 1.5 * kYawTolerance ? sight.heading() : trunk);
   return command;
 }
 
+double RoomOperator::height_error(const Sight& sight, double height) {
+  return height - (sight.trunk.z() - 0.5 * (sight.sole.left.z() + sight.sole.right.z()));
+}
+
 std::optional<Command> RoomOperator::change_height(const Sight& sight, double height) const {
-  const double error = height - (sight.trunk.z() - 0.5 * (sight.sole.left.z() + sight.sole.right.z()));
+  const double error = height_error(sight, height);
   if (std::abs(error) < kHeightTolerance || deflection_.refusals > 3) return std::nullopt;
   return deflect(Part::trunk, sight, {0, 0, error});
 }
@@ -294,7 +299,7 @@ std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
   if (std::min(sight.sole.left.x(), sight.sole.right.x()) > past) return std::nullopt;
   Command command;
   command.axes[0] = 1.0;
-  if (std::abs(sight.heading()) > kYawTolerance) command.axes[5] = turn_back(sight.heading());
+  if (std::abs(sight.heading()) > 2.0 * kYawTolerance && deflection_.refusals == 0) command.axes[5] = turn_back(sight.heading());
   return command;
 }
 
@@ -309,11 +314,11 @@ Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
 std::optional<Command> RoomOperator::cross(const Sight& sight) const {
   const Vec2 shift = place_to_reach_from(sight) - sight.trunk.head<2>();
   const double yaw = sight.heading();
-  if ((shift.norm() < 0.02 && std::abs(yaw) < 2.0 * kYawTolerance) || deflection_.refusals > 8) return std::nullopt;
+  if ((shift.norm() < 0.025 && std::abs(yaw) < 3.0 * kYawTolerance) || deflection_.refusals > 8) return std::nullopt;
   Command command = deflect(Part::trunk, sight, Vec3(shift.x(), shift.y(), 0));
   command.axes.z() = 0.0;
   command.axes.head<2>() *= std::pow(0.7, deflection_.refusals);
-  if (std::abs(yaw) > kYawTolerance) command.axes[5] = turn_back(yaw);
+  if (std::abs(yaw) > 2.0 * kYawTolerance) command.axes[5] = turn_back(yaw);
   return command;
 }
 
@@ -321,9 +326,11 @@ std::optional<Command> RoomOperator::reach(const Sight& sight) const {
   const Vec3 shift = room_.door - sight.hand.head<3>();
   const bool near = shift.norm() < parameters_.near;
   if (near && (looked_ < parameters_.look || shift.norm() < parameters_.fine)) return std::nullopt;
-  // What the arm cannot do, the trunk may.
-  const Part part = deflection_.refusals % 2 == 0 ? Part::left_hand : Part::trunk;
-  Command command = deflect(part, sight, shift);
+  if (deflection_.refusals % 2 == 1 || deflection_.limited) {  // the arm cannot do it from here
+    const Vec2 to = place_to_reach_from(sight) - sight.trunk.head<2>();
+    return deflect(Part::trunk, sight, Vec3(to.x(), to.y(), height_error(sight, robot_->profile().stance.com_height)));
+  }
+  Command command = deflect(Part::left_hand, sight, shift);
   command.axes *= std::pow(0.7, deflection_.refusals / 2);
   return command;
 }

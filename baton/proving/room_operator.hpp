@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "baton/plan/modes.hpp"
 #include "baton/proving/eyes.hpp"
 
 namespace baton {
@@ -26,8 +25,8 @@ class RoomOperator : public Operator {
   };
 
   /// @throws InputError the world has no site `door_B`
-  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait);
-  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Gait gait, Parameters parameters);
+  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed);
+  RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Parameters parameters);
 
   [[nodiscard]] Command decide(const View& view) override;
 
@@ -51,6 +50,8 @@ class RoomOperator : public Operator {
   [[nodiscard]] std::optional<Command> next(const Sight& sight);
   [[nodiscard]] std::optional<Command> face(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> change_height(const Sight& sight, double height) const;
+  /// How much higher the COM should be above the soles [m].
+  [[nodiscard]] static double height_error(const Sight& sight, double height);
   [[nodiscard]] std::optional<Command> go_down(const Sight& sight);
   [[nodiscard]] std::optional<Command> walk_down(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> cross(const Sight& sight) const;
@@ -95,7 +96,6 @@ class RoomOperator : public Operator {
   };
 
   const RobotModel* robot_;
-  Gait gait_;
   Parameters parameters_;
   Eyes eyes_;
   Means means_;
@@ -103,8 +103,7 @@ class RoomOperator : public Operator {
   double sole_length_ = 0.0;  ///< half length [m]
 
   Stage stage_ = Stage::face;
-  bool foot_by_foot_;             ///< down the steps
-  std::optional<Stage> steered_;  ///< stage in which steering has come to its end
+  bool steered_ = false;  ///< across the room, until close
   Command stick_;                 ///< currently held
   Deflection deflection_;
   double rests_since_ = 0.0;  ///< as seen, [s]
