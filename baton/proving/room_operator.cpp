@@ -14,7 +14,9 @@ constexpr double kLift = 0.4;               ///< throttle; little is needed on t
 constexpr double kHeightTolerance = 0.003;  ///< [m]
 constexpr double kLeastSteering = 0.5;      ///< deflection below which steering ends
 constexpr double kYawTolerance = 0.05;      ///< [rad]
-constexpr double kFromTarget = 0.95;        ///< distance of the shoulder from the hand's target, in reaches
+/// Distance of the shoulder from the hand's target, in reaches; the next is tried if the arm cannot do it.
+constexpr std::array<double, 3> kFromTarget{0.95, 0.85, 1.0};
+constexpr double kOutward = 0.17;           ///< of the hand from the shoulder, in reaches
 constexpr double kStepBack = 1.0;           ///< it goes back for so long when it is stuck at a step [s]
 constexpr double kCoast = 0.2;              ///< the robot goes on for so long once the stick is let go of [s]
 constexpr double kLeastDoubt = 0.0005;      ///< of what a tap does [m]
@@ -158,6 +160,11 @@ Command RoomOperator::tap(const Seen& seen, double t) {
   const Page& page = seen.page;
   if (deflection_.pending && t - deflection_.since >= parameters_.tap) stick_.axes.setZero();  // a lifted foot stays up
   if (page.t < deflection_.since + kAnswered || page.activity != Activity::rest) return stick_;
+  if (stage_ == Stage::reach && (deflection_.refusals > 0 || deflection_.limited)) {  // retry from elsewhere
+    ++approach_;
+    stage_ = Stage::cross;
+    deflection_.refusals = 0;
+  }
   std::optional<Command> command = next(steady());
   while (!command && stage_ != Stage::reach) {
     stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
@@ -304,11 +311,11 @@ std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
 }
 
 Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
-  const double comfortable = kFromTarget * robot_->profile().region.hand_distance;
+  const double comfortable = kFromTarget.at(approach_ % kFromTarget.size()) * robot_->profile().region.hand_distance;
   const double below = sight.shoulder.z() - room_.door.z();
   const double ahead = std::sqrt(std::max(0.0, comfortable * comfortable - below * below));
   const Vec2 shoulder = (sight.shoulder - sight.trunk).head<2>();
-  return room_.door.head<2>() - Vec2(ahead, 0) - shoulder;
+  return room_.door.head<2>() - Vec2(ahead, kOutward * robot_->profile().region.hand_distance) - shoulder;
 }
 
 std::optional<Command> RoomOperator::cross(const Sight& sight) const {
@@ -326,12 +333,7 @@ std::optional<Command> RoomOperator::reach(const Sight& sight) const {
   const Vec3 shift = room_.door - sight.hand.head<3>();
   const bool near = shift.norm() < parameters_.near;
   if (near && (looked_ < parameters_.look || shift.norm() < parameters_.fine)) return std::nullopt;
-  if (deflection_.refusals % 2 == 1 || deflection_.limited) {  // the arm cannot do it from here
-    const Vec2 to = place_to_reach_from(sight) - sight.trunk.head<2>();
-    return deflect(Part::trunk, sight, Vec3(to.x(), to.y(), height_error(sight, robot_->profile().stance.com_height)));
-  }
   Command command = deflect(Part::left_hand, sight, shift);
-  command.axes *= std::pow(0.7, deflection_.refusals / 2);
   return command;
 }
 
