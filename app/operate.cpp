@@ -66,12 +66,6 @@ int operate(const OperateOptions& o) {
     if (person.doing() != doing) {
       doing = person.doing();
       spdlog::info("{:6.1f} s: the operator {}", session.t(), doing);
-      {
-        kinematics.set(simulation.truth().q);
-        auto v = [](const Vec3& p) { return fmt::format("{:.3f} {:.3f} {:.3f}", p.x(), p.y(), p.z()); };
-        spdlog::debug("XX com {} hand {} shoulder {} soles {} / {} yaw {:.3f} {:.3f}", v(kinematics.com()), v(kinematics.hand(Side::left).p),
-            v(kinematics.shoulder(Side::left)), v(kinematics.sole(Side::left).p), v(kinematics.sole(Side::right).p), yaw_of(kinematics.trunk().R), yaw_of(kinematics.sole(Side::left).R));
-      }
     }
     if (script && (first || !(command == last))) *script << script_line(session.t(), command) << '\n';
     first = false;

@@ -1,6 +1,7 @@
 #include "baton/proving/room_operator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace baton {
@@ -10,33 +11,33 @@ constexpr double kCrouch = 0.245 / 0.26;    ///< COM height on the steps, fracti
 constexpr double kBeforeEdge = 0.0045;      ///< toe to edge before a step down [m]
 constexpr double kPastEdge = 0.0050;        ///< edge to heel after it [m]
 constexpr double kFootTolerance = 0.0035;   ///< position tolerance of a foot [m]
+constexpr double kFootDoubt = 0.0025;       ///< it looks at the feet until they are known so well [m]
 constexpr double kLift = 0.4;               ///< throttle; little is needed on the way down
 constexpr double kHeightTolerance = 0.003;  ///< [m]
 constexpr double kLeastSteering = 0.5;      ///< deflection below which steering ends
-constexpr double kYawTolerance = 0.05;      ///< [rad]
+constexpr double kYawTolerance = 0.05;      ///< of a foot before a step down [rad]
+constexpr double kFacing = 0.12;            ///< the trunk's to begin with; what is left is corrected on the way [rad]
+constexpr double kStraight = 0.10;          ///< the feet's on the way [rad]
+constexpr double kStandingThere = 0.025;    ///< of the place to reach from [m]
 /// Distance of the shoulder from the hand's target, in reaches; the next is tried if the arm cannot do it.
 constexpr std::array<double, 3> kFromTarget{0.95, 0.85, 1.0};
-constexpr double kOutward = 0.17;           ///< of the hand from the shoulder, in reaches
-constexpr double kStepBack = 1.0;           ///< it goes back for so long when it is stuck at a step [s]
-constexpr double kCoast = 0.2;              ///< the robot goes on for so long once the stick is let go of [s]
-constexpr double kLeastDoubt = 0.0005;      ///< of what a tap does [m]
-constexpr double kDoubt = 0.1;              ///< of what a tap does, share of what it asks for
-constexpr double kAnswered = 0.1;           ///< from a tap to when the page shows what comes of it [s]
+constexpr double kOutward = 0.17;       ///< of the hand from the shoulder, in reaches
+constexpr double kStepBack = 1.0;       ///< it goes back for so long when it is stuck at a step [s]
+constexpr double kCoast = 0.2;          ///< the robot goes on for so long once the stick is let go of [s]
+constexpr double kLeastDoubt = 0.0005;  ///< of what a tap does [m]
+constexpr double kDoubt = 0.03;         ///< of what a tap does, share of what it asks for
+constexpr double kAnswered = 0.1;       ///< from a tap to when the page shows what comes of it [s]
 
 }  // namespace
 
 RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed)
     : RoomOperator(robot, world, seed, Parameters{}) {}
 
-RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed,
-                           Parameters parameters)
+RoomOperator::RoomOperator(const RobotModel& robot, const World& world, std::uint64_t seed, Parameters parameters)
     : robot_(&robot),
       parameters_(parameters),
       eyes_(robot, seed, parameters.eyes),
-      means_{{Mean(parameters.eyes), Mean(parameters.eyes)},
-             Mean(parameters.eyes),
-             Mean(parameters.eyes),
-             Mean(parameters.eyes)},
+      means_(Mean(parameters.eyes)),
       room_{world.site("door_B").p, {}} {
   const Vec3 start = world.site("start").p;
   double height = start.z();
@@ -85,17 +86,12 @@ void RoomOperator::note(const Seen& seen) {
       const bool guided = deflection_.pending && stick_.guide == foot(side);
       if (!page.contact[side] && !guided) means_.sole[side].forget();
     }
-    if (!deflection_.pending) forget_body();
+    if (!deflection_.pending) means_.forget_body();
   } else {
     if (deflection_.pending && page.t >= deflection_.since + kAnswered) conclude(page);
-    for (const Side side : kSides)
-      means_.sole[side].see(page.t, seen.sight.sole[side]);
-    means_.trunk.see(page.t, seen.sight.trunk);
-    means_.hand.see(page.t, seen.sight.hand);
-    means_.shoulder.see(page.t, seen.sight.shoulder);
+    means_.see(seen);
   }
   looked_ = page.t - rests_since_;
-  if (getenv("XY")) fprintf(stderr, "XY page %.3f act %d pend %d seen %.3f mean %.3f doubt %.4f\n", page.t, (int)page.activity, deflection_.pending, seen.sight.trunk[0], means_.trunk.place()[0], means_.trunk.doubt());
 }
 
 void RoomOperator::conclude(const Page& page) {
@@ -108,30 +104,37 @@ void RoomOperator::conclude(const Page& page) {
   if (stick_.guide == Part::trunk && !deflection_.turned) {
     for (Mean* mean : {&means_.trunk, &means_.hand, &means_.shoulder})
       mean->moved(shift, doubt);
-    return;
+  } else {  // the body may have gone along
+    const Mean hand = means_.hand;
+    means_.forget_body();
+    if (is_foot(stick_.guide)) means_.sole[side_of(stick_.guide)].moved(shift, doubt);
+    if (stick_.guide == Part::left_hand) (means_.hand = hand).moved(shift, doubt);
   }
-  if (is_foot(stick_.guide)) means_.sole[side_of(stick_.guide)].moved(shift, doubt);
-  if (stick_.guide == Part::left_hand) means_.hand.moved(shift, doubt);
-  means_.trunk.forget();
-  means_.shoulder.forget();
-  if (stick_.guide != Part::left_hand) means_.hand.forget();
 }
 
-void RoomOperator::forget_body() {
-  means_.trunk.forget();
-  means_.hand.forget();
-  means_.shoulder.forget();
+void RoomOperator::Means::see(const Seen& seen) {
+  const double t = seen.page.t;
+  for (const Side side : kSides)
+    sole[side].see(t, seen.sight.sole[side]);
+  trunk.see(t, seen.sight.trunk);
+  hand.see(t, seen.sight.hand);
+  shoulder.see(t, seen.sight.shoulder);
+}
+
+void RoomOperator::Means::forget_body() {
+  trunk.forget();
+  hand.forget();
+  shoulder.forget();
 }
 
 Sight RoomOperator::steady() const {
-  return {{means_.sole.left.place(), means_.sole.right.place()},
-          means_.trunk.place(),
-          means_.hand.place(),
-          means_.shoulder.place()};
+  const Means& m = means_;
+  return {{m.sole.left.place(), m.sole.right.place()}, m.trunk.place(), m.hand.place(), m.shoulder.place()};
 }
 
 Command RoomOperator::steer(double t) {
-  if (t - deflection_.since < (stick_.axes[0] < 0.0 ? kStepBack : parameters_.glance)) return stick_;
+  const bool back = stage_ == Stage::steps && stick_.axes[0] < 0.0;
+  if (t - deflection_.since < (back ? kStepBack : parameters_.glance)) return stick_;
   deflection_.since = t;
   deflection_.pending = false;
   const bool idle = !stick_.axes.isZero(0.0) && looked_ > parameters_.glance;
@@ -165,6 +168,8 @@ Command RoomOperator::tap(const Seen& seen, double t) {
     stage_ = Stage::cross;
     deflection_.refusals = 0;
   }
+  const bool places_feet = stage_ == Stage::steps && !feet_.lifted.left && !feet_.lifted.right;
+  if (places_feet && std::max(means_.sole.left.doubt(), means_.sole.right.doubt()) > kFootDoubt) return stick_;
   std::optional<Command> command = next(steady());
   while (!command && stage_ != Stage::reach) {
     stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
@@ -173,7 +178,6 @@ Command RoomOperator::tap(const Seen& seen, double t) {
   }
   if (!command) return stick_;
   stick_ = *command;
-  if (getenv("XX")) fprintf(stderr, "XX %.2f tap %s axes %.2f %.2f %.2f | %.2f ref %d  hand %.3f %.3f %.3f doubt %.4f sh %.3f %.3f %.3f limited-before %d\n", t, std::string(to_string(stick_.guide)).c_str(), stick_.axes[0], stick_.axes[1], stick_.axes[2], stick_.axes[5], deflection_.refusals, steady().hand[0], steady().hand[1], steady().hand[2], means_.hand.doubt(), steady().shoulder[0], steady().shoulder[1], steady().shoulder[2], deflection_.limited);
   deflection_.pending = true;
   deflection_.since = t;
   deflection_.refused = page.refusals;
@@ -221,20 +225,15 @@ double RoomOperator::turn_back(double yaw) const {
 
 std::optional<Command> RoomOperator::face(const Sight& sight) const {
   // The trunk turns first; the feet follow when necessary.
-  const double trunk = sight.trunk[3];
-  if ((std::abs(trunk) < 2.4 * kYawTolerance && std::abs(sight.heading()) < 2.4 * kYawTolerance) || deflection_.refusals > 6)
-    return std::nullopt;
+  const bool trunk = std::abs(sight.trunk[3]) < kFacing;
+  if ((trunk && std::abs(sight.heading()) < kFacing) || deflection_.refusals > 6) return std::nullopt;
   Command command;
-  command.axes[5] = turn_back(std::abs(trunk) < 1.5 * kYawTolerance ? sight.heading() : trunk);
+  command.axes[5] = turn_back(trunk ? sight.heading() : sight.trunk[3]);
   return command;
 }
 
-double RoomOperator::height_error(const Sight& sight, double height) {
-  return height - (sight.trunk.z() - 0.5 * (sight.sole.left.z() + sight.sole.right.z()));
-}
-
 std::optional<Command> RoomOperator::change_height(const Sight& sight, double height) const {
-  const double error = height_error(sight, height);
+  const double error = height - (sight.trunk.z() - 0.5 * (sight.sole.left.z() + sight.sole.right.z()));
   if (std::abs(error) < kHeightTolerance || deflection_.refusals > 3) return std::nullopt;
   return deflect(Part::trunk, sight, {0, 0, error});
 }
@@ -306,7 +305,7 @@ std::optional<Command> RoomOperator::walk_down(const Sight& sight) const {
   if (std::min(sight.sole.left.x(), sight.sole.right.x()) > past) return std::nullopt;
   Command command;
   command.axes[0] = 1.0;
-  if (std::abs(sight.heading()) > 2.0 * kYawTolerance && deflection_.refusals == 0) command.axes[5] = turn_back(sight.heading());
+  if (std::abs(sight.heading()) > kStraight && deflection_.refusals == 0) command.axes[5] = turn_back(sight.heading());
   return command;
 }
 
@@ -321,11 +320,12 @@ Vec2 RoomOperator::place_to_reach_from(const Sight& sight) const {
 std::optional<Command> RoomOperator::cross(const Sight& sight) const {
   const Vec2 shift = place_to_reach_from(sight) - sight.trunk.head<2>();
   const double yaw = sight.heading();
-  if ((shift.norm() < 0.025 && std::abs(yaw) < 3.0 * kYawTolerance) || deflection_.refusals > 8) return std::nullopt;
+  if ((shift.norm() < kStandingThere && std::abs(yaw) < 1.5 * kStraight) || deflection_.refusals > 8)
+    return std::nullopt;
   Command command = deflect(Part::trunk, sight, Vec3(shift.x(), shift.y(), 0));
   command.axes.z() = 0.0;
   command.axes.head<2>() *= std::pow(0.7, deflection_.refusals);
-  if (std::abs(yaw) > 2.0 * kYawTolerance) command.axes[5] = turn_back(yaw);
+  if (std::abs(yaw) > kStraight) command.axes[5] = turn_back(yaw);
   return command;
 }
 
@@ -333,8 +333,7 @@ std::optional<Command> RoomOperator::reach(const Sight& sight) const {
   const Vec3 shift = room_.door - sight.hand.head<3>();
   const bool near = shift.norm() < parameters_.near;
   if (near && (looked_ < parameters_.look || shift.norm() < parameters_.fine)) return std::nullopt;
-  Command command = deflect(Part::left_hand, sight, shift);
-  return command;
+  return deflect(Part::left_hand, sight, shift);
 }
 
 }  // namespace baton

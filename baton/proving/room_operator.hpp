@@ -104,7 +104,7 @@ class RoomOperator : public Operator {
 
   Stage stage_ = Stage::face;
   bool steered_ = false;  ///< across the room, until close
-  Command stick_;                 ///< currently held
+  Command stick_;         ///< currently held
   Deflection deflection_;
   std::size_t approach_ = 0;  ///< positions from which the arm could not do it
   double rests_since_ = 0.0;  ///< as seen, [s]
