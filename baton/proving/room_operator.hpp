@@ -1,7 +1,7 @@
 /// A scripted operator that does the paper's task in the room by the stick alone: down the steps by the trunk, or foot
 /// by foot; across the floor by the trunk, to door B by the hand. It knows the room and the robot's sizes, sees the
-/// robot as a person does (`Eyes`), and reads the page. Far from where it wants to be it holds the stick and corrects
-/// it, in gait `flow`; close, and in gait `stop`, it taps the stick, waits for rest, and looks.
+/// robot as a person does (`Eyes`), and reads the page. To walk it holds the stick and corrects it now and then; for
+/// all that is finer it taps the stick, waits for rest, and looks.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ class RoomOperator : public Operator {
     double look = 1.4;          ///< the hand is looked at for so long before a fine correction [s]
     double near = 0.02;         ///< distance of the hand from the door below which corrections are fine [m]
     double fine = 0.002;        ///< least fine correction [m]
-    bool foot_by_foot = false;  ///< go down the steps foot by foot, as in the paper, also in gait `flow`
+    bool foot_by_foot = false;  ///< go down the steps foot by foot, as in the paper
   };
 
   /// @throws InputError the world has no site `door_B`
@@ -40,8 +40,6 @@ class RoomOperator : public Operator {
   void note(const Seen& seen);
   /// Takes in what became of the last tap.
   void conclude(const Page& page);
-  /// Trunk and arm have moved who knows where.
-  void forget_body();
   /// One deflection at a time.
   [[nodiscard]] Command tap(const Seen& seen, double t);
   /// Continuous steering.
@@ -50,8 +48,6 @@ class RoomOperator : public Operator {
   [[nodiscard]] std::optional<Command> next(const Sight& sight);
   [[nodiscard]] std::optional<Command> face(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> change_height(const Sight& sight, double height) const;
-  /// How much higher the COM should be above the soles [m].
-  [[nodiscard]] static double height_error(const Sight& sight, double height);
   [[nodiscard]] std::optional<Command> go_down(const Sight& sight);
   [[nodiscard]] std::optional<Command> walk_down(const Sight& sight) const;
   [[nodiscard]] std::optional<Command> cross(const Sight& sight) const;
@@ -91,8 +87,15 @@ class RoomOperator : public Operator {
   };
   /// Means of what is seen, while it stands still.
   struct Means {
+    explicit Means(const Mean& none) : sole{none, none}, trunk(none), hand(none), shoulder(none) {}
+    void see(const Seen& seen);
+    /// Trunk and arm have moved who knows where.
+    void forget_body();
+
     BySide<Mean> sole;
-    Mean trunk, hand, shoulder;
+    Mean trunk;
+    Mean hand;
+    Mean shoulder;
   };
 
   const RobotModel* robot_;
