@@ -250,7 +250,12 @@ int parse_and_run(std::vector<std::string> args) {
   operate_command->add_flag("--exact-start", operate_options.exact_start,
                             "Start at the world's start, not at a random pose");
   operate_command->add_flag("--foot-by-foot", operate_options.foot_by_foot,
-                            "Guide the feet down the steps, as in the paper, also with --gait flow");
+                            "Guide the feet down the steps, as in the paper");
+  operate_command
+      ->add_option("--sight", operate_options.sight,
+                   "Error of the operator's sight [mm], a standard deviation; yaws err by 0.4 degrees for each mm")
+      ->capture_default_str()
+      ->transform(number(0.1, 100.0));
   operate_command->add_option("--seconds", operate_options.seconds, "Simulated time after which the operator gives up")
       ->capture_default_str()
       ->transform(above_zero(kLongestRun));

@@ -82,7 +82,8 @@ struct OperateOptions {
   std::string on = "sim";
   long seed = 0;
   bool exact_start = false;   ///< start at the world's start, not at a random pose
-  bool foot_by_foot = false;  ///< go down the steps foot by foot in any gait
+  bool foot_by_foot = false;  ///< go down the steps foot by foot
+  double sight = 5.0;         ///< error of the operator's sight [mm]
   double seconds = 240.0;     ///< time limit [s]
   ModeOptions modes;
   PhysicsOptions physics;

@@ -12,6 +12,11 @@
 #include "baton/proving/room_operator.hpp"
 
 namespace baton::app {
+namespace {
+
+constexpr double kHeld = 1.0;  ///< the door tells once the hand has been there for so long [s]
+
+}  // namespace
 
 int operate(const OperateOptions& o) {
   const RobotModel robot = robot_in(o.physics, o.robot);
@@ -39,8 +44,9 @@ int operate(const OperateOptions& o) {
   std::optional<std::ofstream> script;
   if (o.script) script = open_stream(*o.script, "--script");
   RoomOperator::Parameters parameters;
+  parameters.eyes = Eyes::Parameters::with_error(1e-3 * o.sight);
   parameters.foot_by_foot = o.foot_by_foot;
-  RoomOperator person(robot, world, static_cast<std::uint64_t>(o.seed) + 1, modes_of(o.modes).gait, parameters);
+  RoomOperator person(robot, world, static_cast<std::uint64_t>(o.seed) + 1, parameters);
   Kinematics kinematics(robot);
   Command last;
   bool first = true;
@@ -55,7 +61,7 @@ int operate(const OperateOptions& o) {
   bool refused = false;
   const double period = robot.profile().tick.period;
   const auto wall = std::chrono::steady_clock::now();
-  while (session.t() < o.seconds && !person.done() && !session.fallen() && !interrupted) {
+  while (session.t() < o.seconds && best < kHeld && !session.fallen() && !interrupted) {
     const Command command = person.decide(session.view());
     if (person.doing() != doing) {
       doing = person.doing();
@@ -75,7 +81,7 @@ int operate(const OperateOptions& o) {
     held = error < kReached ? held + period : 0.0;
     best = std::max(best, held);
   }
-  const bool reached = best >= 1.0 && !session.fallen();
+  const bool reached = best >= kHeld && !session.fallen();
   const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", error}, {"task", o.task}};
   outputs.write(world.name(), o.on, o.seed, seconds_since(wall), extra);
   if (script) close_stream(*script, *o.script, "--script");

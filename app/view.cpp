@@ -26,15 +26,6 @@ std::string lost_sensors(const SensorCheck& sensors) {
 
 }  // namespace
 
-Activity activity(const Session& session) {
-  const Navigator& nav = session.navigator();
-  if (session.fallen()) return Activity::fallen;
-  const Purpose purpose = nav.purpose();
-  if (purpose == Purpose::none) return Activity::rest;
-  if (purpose == Purpose::stop || nav.command().recall == Recall::stop) return Activity::stopping;
-  return purpose == Purpose::retrace || purpose == Purpose::home ? Activity::retracing : Activity::moving;
-}
-
 std::string heat_message(const Session& session) {
   const Thermometer& thermometer = session.navigator().thermometer();
   if (!thermometer.hot()) return "";
@@ -101,7 +92,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   frame.refusal = refusals.newest();
   frame.refusals = refusals.count();
   frame.stuck = refusals.stuck();
-  frame.activity = activity(session);
+  frame.activity = activity(nav, session.fallen());
   if (!nav.disturbed()) {
     steady_ = session.t();
     caught_ = nav.caught();

@@ -34,9 +34,6 @@ class View {
   double segment_start_ = 0.0;
 };
 
-/// What the robot is doing.
-[[nodiscard]] Activity activity(const Session& session);
-
 /// What a robot with hot motors says; else empty.
 [[nodiscard]] std::string heat_message(const Session& session);
 

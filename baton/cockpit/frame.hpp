@@ -14,6 +14,7 @@
 #include "baton/model/mujoco.hpp"
 #include "baton/motion/goal.hpp"
 #include "baton/motion/refusal.hpp"
+#include "baton/navigate/navigator.hpp"
 
 namespace baton {
 
@@ -30,6 +31,9 @@ enum class Activity : std::uint8_t {
   constexpr std::array<std::string_view, 5> names{"rest", "moving", "stopping", "retracing", "fallen"};
   return names[static_cast<std::size_t>(activity)];
 }
+
+/// @param fallen as its truth says
+[[nodiscard]] Activity activity(const Navigator& navigator, bool fallen);
 
 /// A part that was refused repeatedly at the same rest, and the ways out.
 struct Stuck {

@@ -34,6 +34,7 @@ TEST(Options, ANumberThatIsNoneOrOutOfItsRangeIsNamedWithTheRange) {
   for (const auto& [command, option, range] :
        {std::array<std::string, 3>{drive, "--seconds", "a number above 0, up to 1000000"},
         {"operate", "--seconds", "a number above 0, up to 1000000"},
+        {"operate", "--sight", "a number from 0.1 to 100"},
         {"plan", "--seconds", "a number from 0 to 86400"},
         {drive, "--times", "a number from 0 to 100"},
         {soak, "--times", "a number from 0 to 100"},

@@ -19,11 +19,11 @@ class ViewTest : public testing::Test {
       session_.step(command);
       refusals_.look(session_.navigator());
       view_.show(simulation_, {}, refusals_);
-      seen.insert(app::activity(session_));
+      seen.insert(activity(session_.navigator(), session_.fallen()));
     }
     return seen;
   }
-  [[nodiscard]] Activity now() const { return app::activity(session_); }
+  [[nodiscard]] Activity now() const { return activity(session_.navigator(), session_.fallen()); }
 
   static Command walk() {
     Command command;
