@@ -234,6 +234,11 @@ int parse_and_run(std::vector<std::string> args) {
       ->required()
       ->check(CLI::IsMember({"fig8", "room", "walks"}));
   reproduce_command->add_option("--out", reproduce_options.out, "Folder for the figures")->required();
+  reproduce_command
+      ->add_option("--plant", reproduce_options.plant, "Simulated robot of room and walks: real (the default) or model")
+      ->check(CLI::IsMember({"model", "real"}));
+  reproduce_command->add_option("--seed", reproduce_options.seed,
+                                "Seed of the plant real, and of the operator in the room; default: 0");
 
   OperateOptions operate_options;
   CLI::App* operate_command = app.add_subcommand("operate", "Let a scripted operator do a task by the stick");

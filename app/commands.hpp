@@ -74,6 +74,8 @@ struct VerifyOptions {
 struct ReproduceOptions {
   std::string what;
   std::filesystem::path out;
+  std::optional<std::string> plant;  ///< real or model; none: real in physics
+  std::optional<long> seed;          ///< none: 0
 };
 
 struct OperateOptions {

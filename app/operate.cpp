@@ -12,12 +12,6 @@
 #include "baton/proving/room_operator.hpp"
 
 namespace baton::app {
-namespace {
-
-constexpr double kHeld = 1.0;  ///< the door tells once the hand has been there for so long [s]
-
-}  // namespace
-
 int operate(const OperateOptions& o) {
   const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.task);

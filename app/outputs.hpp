@@ -18,6 +18,8 @@ namespace baton::app {
 
 /// Position tolerance of a reached hand target [m].
 inline constexpr double kReached = 0.01;
+/// Time for which the hand has to be there [s].
+inline constexpr double kHeld = 1.0;
 
 /// A file, and the option that names it.
 struct NamedFile {

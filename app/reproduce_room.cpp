@@ -11,7 +11,7 @@
 #include "app/reproduce.hpp"
 #include "baton/input/script.hpp"
 #include "baton/model/contact.hpp"
-#include "baton/model/input_file.hpp"
+#include "baton/proving/room_operator.hpp"
 #include "baton/record/picture.hpp"
 #include "baton/record/plot.hpp"
 #include "baton/run/session.hpp"
@@ -19,8 +19,9 @@
 namespace baton::app {
 namespace {
 
-constexpr int kSnapshots = 8;
-constexpr double kAfter = 2.0;  ///< time the run continues after the script's last line [s]
+constexpr std::size_t kSnapshots = 8;
+constexpr double kPatience = 110.0;  ///< after which the door counts as not reached [s]
+constexpr double kAfter = 2.0;       ///< time the run continues after the door was reached, the stick centred [s]
 
 /// Data of a run for the figures, in the world frame.
 struct Loci {
@@ -88,41 +89,61 @@ void draw_histories(const Loci& loci, const std::filesystem::path& file) {
   save_plot(file, panels, 900.0);
 }
 
-}  // namespace
-
-int reproduce_room(const std::filesystem::path& out) {
-  const RobotModel robot = RobotModel::load("mighty");
-  const World world = World::load("room");
-  const std::filesystem::path script_file = share_dir() / "worlds" / "room.jsonl";
-  Script script = Script::load(script_file);
-  const Vec3 door = world.site("door_B").p;
-  Simulation simulation(robot, world, Simulation::On::sim);
-  Session& session = simulation.session();
-  Outputs outputs(simulation, out / "room_report.json", out / "room.csv", out / "room.xml");
-  write_whole(out / "room.jsonl", "--out", read_input(script_file, "script"));
-  SimulatedRobot& body = *simulation.simulated();
+/// Pictures at equal intervals, from the first to the last.
+std::vector<Image> snapshots(const Simulation& simulation, const std::vector<VecX>& postures) {
   const ModelPtr drawn = compile_text(simulation.model_text(), "scene");  // the simulator's model lacks visual geoms
   Picture picture(*drawn, 640, 480);
+  const DataPtr scene(mj_makeData(drawn.get()));
+  std::vector<Image> images;
+  for (std::size_t k = 0; k < kSnapshots; ++k) {
+    const VecX& q = postures[k * (postures.size() - 1) / (kSnapshots - 1)];
+    mju_copy(scene->qpos, q.data(), drawn->nq);
+    mj_forward(drawn.get(), scene.get());
+    images.push_back(picture.render(*scene, "overview"));
+  }
+  return images;
+}
+
+}  // namespace
+
+int reproduce_room(const RobotModel& robot, const SimulatedRobot::Parameters& physics, long seed,
+                   const std::filesystem::path& out) {
+  const World world = World::load("room");
+  const Vec3 door = world.site("door_B").p;
+  Simulation simulation(robot, world, Simulation::On::sim, {.physics = physics});
+  Session& session = simulation.session();
+  Outputs outputs(simulation, out / "room_report.json", out / "room.csv", out / "room.xml");
+  RoomOperator person(robot, world, static_cast<std::uint64_t>(seed) + 1);
+  std::string script;
+  Command last;
+  SimulatedRobot& body = *simulation.simulated();
 
   Kinematics kinematics(robot);
   Loci loci;
-  std::vector<Image> snapshots;
-  const DataPtr scene(mj_makeData(drawn.get()));
-  const double duration = script.duration() + kAfter;
+  std::vector<VecX> postures;  ///< of the simulator, as often as the loci
   long segment = -1;
   double held = 0.0;
-  double longest = 0.0;
   double error = 0.0;
   double reached_at = -1.0;
+  std::string_view doing;
   const auto wall = std::chrono::steady_clock::now();
   long tick = 0;
-  while (session.t() < duration && !session.fallen() && !interrupted) {
-    session.step(script);
+  const auto over = [&] {
+    return session.t() >= kPatience || (reached_at >= 0.0 && session.t() >= reached_at + kAfter);
+  };
+  while (!over() && !session.fallen() && !interrupted) {
+    const Command command = reached_at < 0.0 ? person.decide(session.view()) : Command{.guide = last.guide};
+    if (script.empty() || !(command == last)) script += script_line(session.t(), command) + '\n';
+    last = command;
+    session.step(command);
     kinematics.set(simulation.truth().q);
     error = (kinematics.hand(Side::left).p - door).norm();
     held = error < kReached ? held + robot.profile().tick.period : 0.0;
-    longest = std::max(longest, held);
-    if (longest >= 1.0 && reached_at < 0.0) reached_at = session.t();
+    if (held >= kHeld && reached_at < 0.0) reached_at = session.t();
+    if (person.doing() != doing) {
+      doing = person.doing();
+      spdlog::info("{:5.1f} s: the operator {}, the hand is {:.0f} mm from the door", session.t(), doing, 1e3 * error);
+    }
     if (tick++ % 10 == 0) {
       loci.t.push_back(session.t());
       loci.com.push_back(kinematics.com());
@@ -130,6 +151,7 @@ int reproduce_room(const std::filesystem::path& out) {
         loci.sole[side].push_back(kinematics.sole(side).p);
         loci.hand[side].push_back(kinematics.hand(side).p);
       }
+      postures.emplace_back(Eigen::Map<const VecX>(body.data().qpos, body.model().nq));
     }
     const Navigator& nav = session.navigator();
     if (nav.segment() != segment && nav.motion() != nullptr) {
@@ -141,16 +163,10 @@ int reproduce_room(const std::filesystem::path& out) {
       }
     }
     segment = nav.segment();
-    if (session.t() >= duration * static_cast<double>(snapshots.size()) / (kSnapshots - 1) - 0.05 &&
-        snapshots.size() < kSnapshots) {
-      mju_copy(scene->qpos, body.data().qpos, drawn->nq);
-      mj_forward(drawn.get(), scene.get());
-      snapshots.push_back(picture.render(*scene, "overview"));
-      spdlog::info("{:5.1f} of {:.1f} s: the hand is {:.0f} mm from the door", session.t(), duration, 1e3 * error);
-    }
   }
-  const bool reached = longest >= 1.0 && !session.fallen();
-  outputs.write(world.name(), "sim", 0, seconds_since(wall));
+  const bool reached = reached_at >= 0.0 && !session.fallen();
+  write_whole(out / "room.jsonl", "--out", script);
+  outputs.write(world.name(), "sim", seed, seconds_since(wall));
   if (interrupted) {
     spdlog::warn("interrupted: no figures");
     return kFailed;
@@ -162,7 +178,7 @@ int reproduce_room(const std::filesystem::path& out) {
   write_whole(out / "room.json", "--out", summary.dump(2) + '\n');
   draw_map(loci, world, out / "fig10.svg");
   draw_histories(loci, out / "fig11.svg");
-  save_png(out / "fig12.png", montage(snapshots, 4));
+  save_png(out / "fig12.png", montage(snapshots(simulation, postures), 4));
   fmt::print(
       "{} {:.2f} s: room.json, fig10.svg, fig11.svg, fig12.png, room.csv, room.xml, room_report.json, room.jsonl in "
       "{}\n",

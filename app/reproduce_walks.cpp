@@ -91,8 +91,9 @@ struct Outcome {
   double turned = 0.0;     ///< difference of trunk headings at the end [rad]
 };
 
-Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
-  Simulation simulation(robot, world, Simulation::On::sim);
+Outcome walk_on(const RobotModel& robot, const World& world, const SimulatedRobot::Parameters& physics, long seed,
+                Script script) {
+  Simulation simulation(robot, world, Simulation::On::sim, {.physics = physics});
   Session& session = simulation.session();
   Report report(robot);
   Kinematics kinematics(robot);
@@ -114,7 +115,7 @@ Outcome walk_on(const RobotModel& robot, const World& world, Script script) {
   session.add(hooks);
   while (session.t() < kBefore + kWalkTime + kAfter && !session.fallen() && !interrupted)
     session.step(script);
-  outcome.report = report.json(world.name(), "sim", 0, 0.0);
+  outcome.report = report.json(world.name(), "sim", seed, 0.0);
   return outcome;
 }
 
@@ -125,8 +126,8 @@ std::string file_name(std::string name) {
 
 }  // namespace
 
-int reproduce_walks(const std::filesystem::path& out) {
-  const RobotModel robot = RobotModel::load("mighty");
+int reproduce_walks(const RobotModel& robot, const SimulatedRobot::Parameters& physics, long seed,
+                    const std::filesystem::path& out) {
   Json table = Json::array();
   std::map<std::string, Panel> maps;
   bool fell = false;
@@ -140,7 +141,7 @@ int reproduce_walks(const std::filesystem::path& out) {
     for (const Script::Entry& entry : script.entries())
       lines += script_line(entry.t, entry.command) + '\n';
     write_whole(out / (file_name(walk.name) + ".jsonl"), "--out", lines);
-    const Outcome walked = walk_on(robot, world, script);
+    const Outcome walked = walk_on(robot, world, physics, seed, script);
     if (interrupted) break;
     const double tilt = walked.report["tilt_deg_max"].get<double>();
     const Json& tracking = walked.report["tracking"];

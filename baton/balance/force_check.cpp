@@ -13,7 +13,7 @@ constexpr double kLightLoad = 0.3;  ///< load of a sole below which its centre o
 constexpr double kBeyond = 0.15;    ///< how far beyond its sole a centre of pressure may be measured [COM height]
 constexpr double kUnplanned = 0.4;  ///< difference from the plan from which motor torques are asked [weight]
 constexpr double kUnfelt = 0.5;     ///< difference from what they tell, of forces that are wrong [weight]
-constexpr double kImpact = 0.015;   ///< how long an impact lasts that motor torques do not tell [s]
+constexpr double kImpact = 0.092;   ///< how long an impact lasts that motor torques do not tell [1/ω]
 constexpr double kStuckLoad = 0.2;  ///< difference from the plan, of forces that do not change [weight]
 constexpr double kTorque = 1.5;     ///< largest motor torque, as currents tell it [stall torque]
 
@@ -49,7 +49,7 @@ bool ForceCheck::forces_accepted(const Measurement& measurement, const MotionSam
   const BySide<double> felt = felt_load(measurement, planned);
   const bool agrees = difference(measured, felt) <= kUnfelt || difference(felt, expected) > off;
   unfelt_ = agrees ? 0 : unfelt_ + 1;
-  return unfelt_ * period_ < kImpact;
+  return unfelt_ * period_ * robot_->omega() < kImpact;
 }
 
 bool ForceCheck::torques_accepted(const VecX& torque) const {

@@ -10,7 +10,8 @@ constexpr double kFastest = 0.05;  ///< largest drift [rad/s]
 constexpr double kTwist = 1.0;     ///< yaw rate of a sole from which it slips [rad/s]
 constexpr double kStill = 1e-3;    ///< planned speed at rest: norm over all joints [rad/s]
 constexpr double kTurns = 0.02;    ///< planned yaw rate of the root from which soles twist to one side [rad/s]
-constexpr double kWalking = 0.02;  ///< weight of a walking robot's soles against those at rest
+constexpr double kWalking = 0.1;  ///< weight of a walking robot's soles against those at rest
+constexpr double kPrior = 5.5;     ///< time of observation that no drift, as one expects, counts for [s]
 constexpr double kMemory = 60.0;   ///< longest time of observation that counts [s]
 
 }  // namespace
@@ -35,7 +36,7 @@ void YawDrift::update(const BySide<double>& yaw, const SoleContact& contact, con
   if (!rests && std::abs(planned.dq[5]) > kTurns) return;
   const double weight = rests ? 1.0 : kWalking;
   trust_ = std::min(trust_ + weight * period_, kMemory);
-  rate_ = std::clamp(rate_ + weight * turned / share / trust_, -kFastest, kFastest);
+  rate_ = std::clamp(rate_ + weight * turned / share / (kPrior + trust_), -kFastest, kFastest);
 }
 
 }  // namespace baton

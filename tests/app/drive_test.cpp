@@ -49,9 +49,9 @@ TEST(Drive, AHeldStickLeadsStraightAheadThoughSolesSlide) {
   const std::string held = R"({"t": 0.5, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})";
   for (const std::string scenario : {"nominal", "friction"}) {
     const Scratch scratch;
-    const Outcome outcome = run({"drive", "--world", "flat", "--on", "sim", "--scenario", scenario, "--input",
-                                 "script:" + scratch.write("held.jsonl", held), "--fast", "--seconds", "25", "--report",
-                                 scratch.path("r.json")});
+    const Outcome outcome = run({"drive", "--world", "flat", "--on", "sim", "--plant", "model", "--scenario", scenario,
+                                 "--input", "script:" + scratch.write("held.jsonl", held), "--fast", "--seconds", "25",
+                                 "--report", scratch.path("r.json")});
     ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
     const nlohmann::json trunk = scratch.json("r.json")["final"]["trunk"];
     EXPECT_GT(trunk["p"][0].get<double>(), 1.8);
@@ -63,9 +63,10 @@ TEST(Drive, AHeldStickLeadsStraightAheadThoughSolesSlide) {
 
 TEST(Drive, AScriptInPhysicsWritesTraceReportAndModel) {
   const Scratch scratch;
-  const Outcome outcome = run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalk),
-                               "--fast", "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
-                               scratch.path("r.json"), "--save-model", scratch.path("m.xml")});
+  const Outcome outcome =
+      run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalk), "--plant", "model",
+           "--fast", "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
+           scratch.path("r.json"), "--save-model", scratch.path("m.xml")});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
   const nlohmann::json report = scratch.json("r.json");
   EXPECT_EQ(report["robot"], "mighty");
@@ -353,14 +354,14 @@ TEST(Plan, SaysWhatForbidsAnythingShorter) {
   }
 }
 
-TEST(Reproduce, TheRoomByScriptIsReachedAndDriveGivesTheSameTrace) {
+TEST(Reproduce, TheRoomIsReachedAndDriveGivesTheSameTrace) {
   const Scratch scratch;
   const Outcome outcome = run({"reproduce", "room", "--out", scratch.path("room")});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
   const nlohmann::json room = scratch.json("room/room.json");
   EXPECT_EQ(room["falls"], 0);
   EXPECT_EQ(room["reached"], true);
-  EXPECT_LT(room["hand_error_m"].get<double>(), 0.01);
+  EXPECT_LT(room["hand_error_m"].get<double>(), 0.015) << "two seconds after the stick was let go of";
   EXPECT_LE(room["duration_s"].get<double>(), 110.0);
   for (const char* file : {"room/fig10.svg", "room/fig11.svg", "room/fig12.png"}) {
     EXPECT_GT(std::filesystem::file_size(scratch.path(file)), 10000u) << file;
@@ -381,7 +382,7 @@ TEST(Reproduce, TheRoomByScriptIsReachedAndDriveGivesTheSameTrace) {
 
 TEST(Reproduce, WalksOfAMinuteEndWhereTheyWereToEnd) {
   const Scratch scratch;
-  const Outcome outcome = run({"reproduce", "walks", "--out", scratch.path("walks")});
+  const Outcome outcome = run({"reproduce", "walks", "--plant", "model", "--out", scratch.path("walks")});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
   const nlohmann::json walks = scratch.json("walks/walks.json");
   ASSERT_EQ(walks.size(), 13u);
@@ -396,8 +397,8 @@ TEST(Reproduce, WalksOfAMinuteEndWhereTheyWereToEnd) {
   }
   EXPECT_GT(std::filesystem::file_size(scratch.path("walks/walks.svg")), 10000u);
   // The scripts give the same walk.
-  ASSERT_EQ(run({"drive", "--world", "flat", "--input", "script:" + scratch.path("walks/forward.jsonl"), "--fast",
-                 "--seconds", "60", "--report", scratch.path("r.json")})
+  ASSERT_EQ(run({"drive", "--world", "flat", "--input", "script:" + scratch.path("walks/forward.jsonl"), "--plant",
+                 "model", "--fast", "--seconds", "60", "--report", scratch.path("r.json")})
                 .code,
             app::kDone);
   EXPECT_EQ(scratch.json("r.json")["tracking"]["way_m"], walks[0]["way_m"]);

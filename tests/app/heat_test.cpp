@@ -34,8 +34,8 @@ class HotProgramTest : public testing::Test {
 TEST_F(HotProgramTest, AWalkGoesOnWithPausesAndTheReportSaysSo) {
   const std::string stick = scratch_.write("walk.jsonl", R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})"
                                                          "\n");
-  const std::vector<std::string> drive{"drive",  "--world",   "flat", "--input", "script:" + stick,
-                                       "--fast", "--seconds", "40",   "--robot", small_motors()};
+  const std::vector<std::string> drive{"drive",     "--world", "flat",    "--input", "script:" + stick, "--fast",
+                                       "--seconds", "40",      "--plant", "model",   "--robot",         small_motors()};
   std::vector<std::string> args = drive;
   args.insert(args.end(), {"--report", scratch_.path("hot.json"), "--record", scratch_.path("hot.rec")});
   ASSERT_EQ(run(args).code, 0);

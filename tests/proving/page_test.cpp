@@ -59,7 +59,7 @@ TEST_F(PageTest, ItShowsWhatTheRobotDoesAndWhichFeetStand) {
 
 TEST_F(PageTest, ItCountsRefusalsAHeldStickOnce) {
   const Command too_high = trunk(2, 1.0);
-  hold(too_high, 1.0);
+  hold(too_high, 5.0);  // first it rises
   EXPECT_EQ(page_.refusals, 1);
   EXPECT_EQ(page_.activity, Activity::rest);
   hold({}, 0.2);
@@ -71,12 +71,12 @@ TEST(Page, ItSaysThatAMotionDoesOnlyPartOfTheRequest) {
   const World world = World::load("flat");
   Simulation simulation(test::robot("mighty"), world, Simulation::On::ideal);
   PageReader reader;
-  Command command;
-  command.axes[2] = 1.0;
+  Command command{.guide = Part::left_foot};
+  command.axes[1] = 1.0;  // as far aside as the leg reaches
   bool limited = false;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 600; ++i) {
     simulation.session().step(command);
-    limited = reader.read(simulation.session().view()).limited;
+    limited = limited || reader.read(simulation.session().view()).limited;
   }
   EXPECT_TRUE(limited);
 }
