@@ -412,8 +412,9 @@ TEST(Operate, TheOperatorReachesTheDoorFromRandomStarts) {
   }
 }
 
-TEST(Operate, StepByStepToo) {  // a foot that stood at the very edge, and hung over it
-  const Outcome outcome = run({"--verbose", "operate", "--task", "room", "--seed", "12", "--gait", "stop"});
+TEST(Operate, FootByFootToo) {  // a foot that stood at the very edge, and hung over it
+  const Outcome outcome = run({"--verbose", "operate", "--task", "room", "--seed", "12", "--gait", "stop",
+                               "--foot-by-foot", "--plant", "model"});
   EXPECT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
 }
 
