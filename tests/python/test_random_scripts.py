@@ -191,8 +191,8 @@ def test_measured_columns_are_measured(tmp_path):
     """In physics they differ from what was planned, and differ more on a floor that gives way."""
     sample = PHYSICS
     script = random_script.lines(sample.seed, SECONDS, sample.style)
-    hard = drive(tmp_path / "hard", script, world="flat", on="sim", seconds=10)
-    soft = drive(tmp_path / "soft", script, world=soft_floor(tmp_path, 0.03), on="sim", seconds=10)
+    hard = drive(tmp_path / "hard", script, world="flat", on="sim", seconds=10, more=["--plant", "model"])
+    soft = drive(tmp_path / "soft", script, world=soft_floor(tmp_path, 0.03), on="sim", seconds=10, more=["--plant", "model"])
     assert 1e-3 < deviation(hard, *ZMP)
     assert 1e-5 < deviation(hard, *COM) < 5e-3
     assert deviation(soft, *COM) > 2 * deviation(hard, *COM)
