@@ -5,6 +5,7 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/door_task.hpp"
 #include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "baton/ik/stand.hpp"
@@ -12,10 +13,10 @@
 #include "baton/proving/room_operator.hpp"
 
 namespace baton::app {
+
 int operate(const OperateOptions& o) {
   const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.task);
-  const Vec3 door = world.site("door_B").p;
 
   // A random place on the stage, not quite facing the steps.
   std::mt19937_64 random(static_cast<std::uint64_t>(o.seed));
@@ -44,18 +45,16 @@ int operate(const OperateOptions& o) {
   Kinematics kinematics(robot);
   Command last;
   bool first = true;
-  double held = 0.0;  // time the hand has been at the door [s]
-  double best = 0.0;
-  const auto hand_error = [&] {
+  DoorTask task(robot, world);
+  const auto look = [&] {
     kinematics.set(simulation.truth().q);
-    return (kinematics.hand(Side::left).p - door).norm();
+    task.look(kinematics);
   };
-  double error = hand_error();
+  look();
   std::string_view doing;
   bool refused = false;
-  const double period = robot.profile().tick.period;
   const auto wall = std::chrono::steady_clock::now();
-  while (session.t() < o.seconds && best < kHeld && !session.fallen() && !interrupted) {
+  while (session.t() < o.seconds && !task.reached() && !session.fallen() && !interrupted) {
     const Command command = person.decide(session.view());
     if (person.doing() != doing) {
       doing = person.doing();
@@ -71,16 +70,14 @@ int operate(const OperateOptions& o) {
                     to_string(refusal->reason), place(*refusal), refusal->value, refusal->limit);
     }
     refused = refusal != nullptr;
-    error = hand_error();
-    held = error < kReached ? held + period : 0.0;
-    best = std::max(best, held);
+    look();
   }
-  const bool reached = best >= kHeld && !session.fallen();
-  const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", error}, {"task", o.task}};
+  const bool reached = task.reached() && !session.fallen();
+  const nlohmann::json extra = {{"reached", reached}, {"hand_error_m", task.error()}, {"task", o.task}};
   outputs.write(world.name(), o.on, o.seed, seconds_since(wall), extra);
   if (script) close_stream(*script, *o.script, "--script");
   fmt::print("{} after {:.1f} s: the hand is {:.1f} mm from the door, {}\n", reached ? "reached" : "not reached",
-             session.t(), 1e3 * error, session.fallen() ? "fallen: " + simulation.truth().fall : "on its feet");
+             session.t(), 1e3 * task.error(), session.fallen() ? "fallen: " + simulation.truth().fall : "on its feet");
   if (session.fallen()) return kFallen;
   return reached ? kDone : kFailed;
 }

@@ -33,6 +33,10 @@ bool is_real(const PhysicsOptions& options, const std::string& on) {
   return on == "sim" && options.plant.value_or("real") == "real";
 }
 
+std::string plant_name(const PhysicsOptions& options, const std::string& on) {
+  return is_real(options, on) ? "real" : "model";
+}
+
 void check_times(const Scenario& scenario, double times) {
   if (scenario.deviate == nullptr && times != 1.0)
     throw InputError(fmt::format("--times {}: the scenario {} has no size that could be scaled", times, scenario.name));

@@ -27,6 +27,9 @@ namespace baton::app {
 /// Whether the plant is `real`: in physics, unless `model` is asked for.
 [[nodiscard]] bool is_real(const PhysicsOptions& options, const std::string& on);
 
+/// The plant's name, real or model.
+[[nodiscard]] std::string plant_name(const PhysicsOptions& options, const std::string& on);
+
 /// Checks that a plant or scenario is only asked for in physics.
 /// @param on sim or ideal
 /// @throws InputError it is asked for without

@@ -7,6 +7,7 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/door_task.hpp"
 #include "app/outputs.hpp"
 #include "app/reproduce.hpp"
 #include "baton/input/script.hpp"
@@ -109,7 +110,6 @@ std::vector<Image> snapshots(const Simulation& simulation, const std::vector<Vec
 int reproduce_room(const RobotModel& robot, const SimulatedRobot::Parameters& physics, long seed,
                    const std::filesystem::path& out) {
   const World world = World::load("room");
-  const Vec3 door = world.site("door_B").p;
   Simulation simulation(robot, world, Simulation::On::sim, {.physics = physics});
   Session& session = simulation.session();
   Outputs outputs(simulation, out / "room_report.json", out / "room.csv", out / "room.xml");
@@ -122,8 +122,7 @@ int reproduce_room(const RobotModel& robot, const SimulatedRobot::Parameters& ph
   Loci loci;
   std::vector<VecX> postures;  ///< of the simulator, as often as the loci
   long segment = -1;
-  double held = 0.0;
-  double error = 0.0;
+  DoorTask task(robot, world);
   double reached_at = -1.0;
   std::string_view doing;
   const auto wall = std::chrono::steady_clock::now();
@@ -137,12 +136,12 @@ int reproduce_room(const RobotModel& robot, const SimulatedRobot::Parameters& ph
     last = command;
     session.step(command);
     kinematics.set(simulation.truth().q);
-    error = (kinematics.hand(Side::left).p - door).norm();
-    held = error < kReached ? held + robot.profile().tick.period : 0.0;
-    if (held >= kHeld && reached_at < 0.0) reached_at = session.t();
+    task.look(kinematics);
+    if (task.reached() && reached_at < 0.0) reached_at = session.t();
     if (person.doing() != doing) {
       doing = person.doing();
-      spdlog::info("{:5.1f} s: the operator {}, the hand is {:.0f} mm from the door", session.t(), doing, 1e3 * error);
+      spdlog::info("{:5.1f} s: the operator {}, the hand is {:.0f} mm from the door", session.t(), doing,
+                   1e3 * task.error());
     }
     if (tick++ % 10 == 0) {
       loci.t.push_back(session.t());
@@ -174,7 +173,7 @@ int reproduce_room(const RobotModel& robot, const SimulatedRobot::Parameters& ph
   const nlohmann::json summary = {{"falls", session.fallen() ? 1 : 0},
                                   {"duration_s", reached ? reached_at : session.t()},
                                   {"reached", reached},
-                                  {"hand_error_m", error}};
+                                  {"hand_error_m", task.error()}};
   write_whole(out / "room.json", "--out", summary.dump(2) + '\n');
   draw_map(loci, world, out / "fig10.svg");
   draw_histories(loci, out / "fig11.svg");

@@ -37,7 +37,7 @@ class SoakReport {
                {"on_limit", o.modes.on_limit},
                {"seed", o.seed},
                {"state", o.physics.state},
-               {"plant", is_real(o.physics, o.on) ? "real" : "model"},
+               {"plant", plant_name(o.physics, o.on)},
                {"drive", std::string(to_string(robot.profile().drive))},
                {"answer_delay_ms", o.answers.delay_ms},
                {"answer_loss", o.answers.loss},
@@ -128,7 +128,7 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   fmt::print("episode {}: {} at {:.3f} s: {:.6g}, limit {:.6g}{}{}\n", failure.episode, failure.kind, failure.t,
              failure.value, failure.limit, failure.where.empty() ? "" : ": ", failure.where);
   std::string physics = fmt::format(" --state {}", o.physics.state);
-  if (o.on == "sim") physics += fmt::format(" --plant {}", is_real(o.physics, o.on) ? "real" : "model");
+  if (o.on == "sim") physics += fmt::format(" --plant {}", plant_name(o.physics, o.on));
   if (o.physics.drive) physics += fmt::format(" --drive {}", *o.physics.drive);
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);

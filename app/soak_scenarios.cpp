@@ -252,7 +252,7 @@ int soak_scenarios(const SoakOptions& given) {
   const World world = World::load(o.world);
   Json report = {{"robot", o.robot},
                  {"world", world.name()},
-                 {"plant", is_real(o.physics, "sim") ? "real" : "model"},
+                 {"plant", plant_name(o.physics, "sim")},
                  {"state", o.physics.state},
                  {"seed", o.seed},
                  {"times", o.physics.times},
