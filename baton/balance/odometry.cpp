@@ -23,6 +23,7 @@ Odometry::Odometry(const RobotModel& robot, const World& world, StateSource sour
       imu_(robot.imu_in_root().value_or(Pose{}),
            yaw_of(Eigen::Quaterniond(start.q[3], start.q[4], start.q[5], start.q[6]).toRotationMatrix()),
            robot.profile().tick.period),
+      play_(robot),
       speeds_(robot.nv() - 6, robot.profile().tick.period),
       wrenches_(robot),
       contact_(robot.mass() * kGravity, robot.profile().tick.period),
@@ -46,8 +47,9 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   const RootImu::RootMotion imu = imu_.update(completed_.imu);
   if (source_ == StateSource::sensors) zeros_.correct(completed_.sole, planned);
   speeds_.smooth(completed_.dq, planned.dq.tail(n));
+  play_.correct(completed_.q, completed_.torque, contact_, planned.contact);
   set_root(q_, {Vec3::Zero(), imu.R});
-  q_.tail(n) = measurement.q;
+  q_.tail(n) = completed_.q;
   dq_.segment<3>(3) = imu.rate;
   dq_.tail(n) = completed_.dq;
   kinematics_.set(q_);

@@ -3,6 +3,7 @@
 
 #include "baton/balance/attitude_filter.hpp"
 #include "baton/balance/force_zeros.hpp"
+#include "baton/balance/joint_play.hpp"
 #include "baton/balance/joint_speeds.hpp"
 #include "baton/balance/leg_odometry.hpp"
 #include "baton/balance/map_matching.hpp"
@@ -50,6 +51,7 @@ class Odometry {
   YawDrift yaw_drift_;
   ForceZeros zeros_;
   RootImu imu_;
+  JointPlay play_;
   JointSpeeds speeds_;
   SoleWrenches wrenches_;
   SoleContact contact_;

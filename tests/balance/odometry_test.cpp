@@ -418,6 +418,30 @@ TEST_P(OdometryTest, InPhysicsItStraysLittleAndItsDcmIsSmooth) {
   EXPECT_LT(worst, 0.01 * size_);
 }
 
+TEST_P(OdometryTest, PlayInTheJointsDoesNotLeadItAstray) {
+  Simulation::Parameters parameters;
+  parameters.physics.plant.actuators.backlash = 0.0044;
+  Simulation simulation(robot_, world_, Simulation::On::sim, parameters);
+  Session& session = simulation.session();
+  Odometry odometry(robot_, world_, StateSource::sensors, home_);
+  Odometry without_torques(robot_, world_, StateSource::sensors, home_);
+  double way = 0.0;
+  double error = 0.0;
+  double uncorrected = 0.0;
+  live(session, 25.0, forward, [&](const Moment& moment) {
+    const Vec3& truth = moment.measured.root->pose.p;
+    const auto off = [&](const Measurement& found) { return (found.root->pose.p - truth).head<2>().norm(); };
+    error = off(feed(odometry, moment.measured, moment.planned));
+    Measurement no_torques = moment.measured;
+    no_torques.torque.resize(0);
+    uncorrected = off(feed(without_torques, no_torques, moment.planned));
+    way = (truth - home_.q.head<3>()).head<2>().norm();
+  });
+  EXPECT_GT(way, 4.0 * size_);
+  EXPECT_LT(error, 0.012 * way);
+  EXPECT_GT(uncorrected, 2.0 * error);
+}
+
 TEST_P(OdometryTest, PerfectIsWhatIsMeasured) {
   Odometry odometry(robot_, world_, StateSource::perfect, home_);
   for (std::size_t k = 0; k < wandering().size(); k += 7) {

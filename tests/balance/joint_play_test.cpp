@@ -1,0 +1,129 @@
+#include "baton/balance/joint_play.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "baton/ik/stand.hpp"
+#include "baton/run/simulation.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton {
+namespace {
+
+constexpr BySide<bool> kBothStand{true, true};
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// A standing robot whose motors have play: the links keep still, and torques push motors to and fro.
+class JointPlayTest : public testing::TestWithParam<std::string> {
+ protected:
+  /// Load passes between the legs, then the right foot leaves the ground for a moment.
+  void step(JointPlay& joint_play, double play, Random& random) {
+    VecX torque = VecX::Zero(n_);
+    const auto push = [&] {
+      for (Eigen::Index j = 0; j < n_; ++j)
+        torque[j] = random(-0.5, 0.5) * robot_.joints()[static_cast<std::size_t>(j)].motor.stall;
+    };
+    const auto pass = [&](int ticks, const BySide<bool>& planned, double left) {
+      contact_.update({left * weight_, (1.0 - left) * weight_});
+      for (int tick = 0; tick < ticks; ++tick) {
+        for (Eigen::Index j = 0; j < n_; ++j) {
+          const double loaded = 0.04 * robot_.joints()[static_cast<std::size_t>(j)].motor.stall;
+          if (std::abs(torque[j]) > loaded) motor_[j] = link_[j] + std::copysign(play, torque[j]);
+        }
+        found_ = motor_;
+        joint_play.correct(found_, torque, contact_, planned);
+      }
+    };
+    push();
+    pass(30, {true, false}, 1.0);
+    pass(10, kBothStand, 0.7);
+    push();
+    pass(30, kBothStand, 0.3);
+  }
+
+  const RobotModel& robot_ = test::robot(GetParam());
+  const double weight_ = robot_.mass() * kGravity;
+  const Eigen::Index n_ = robot_.nv() - 6;
+  const VecX link_ =
+      stand(robot_, World::load("flat").site("start"), robot_.profile().stance.com_height).q.tail(robot_.nv() - 6);
+  VecX motor_ = link_;  ///< what the encoders read
+  VecX found_;
+  SoleContact contact_{weight_, robot_.profile().tick.period};
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, JointPlayTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(JointPlayTest, IsFoundWhateverItsSize) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Random random(seed);
+    const double play = random(1e-3, 0.012);
+    motor_ = link_;
+    JointPlay joint_play(robot_);
+    for (int steps = 0; steps < 40; ++steps)
+      step(joint_play, play, random);
+    // More than there is here, as here a motor's place in its play is certain.
+    EXPECT_GT(joint_play.estimate(), 0.95 * play) << seed;
+    EXPECT_LT(joint_play.estimate(), 1.4 * play) << seed;
+    EXPECT_LT((found_ - link_).norm(), 0.6 * (motor_ - link_).norm()) << seed;
+  }
+}
+
+TEST_P(JointPlayTest, IsNotImagined) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Random random(seed);
+    motor_ = link_;
+    JointPlay joint_play(robot_);
+    const double noise = 2e-4;  // steps of an encoder
+    for (int steps = 0; steps < 40; ++steps) {
+      for (Eigen::Index j = 0; j < n_; ++j)
+        motor_[j] = link_[j] + random(-noise, noise);
+      const VecX read = motor_;
+      step(joint_play, 0.0, random);
+      EXPECT_EQ(joint_play.estimate(), 0.0) << seed << " after " << steps;
+      EXPECT_EQ(found_, motor_);
+    }
+  }
+}
+
+TEST_P(JointPlayTest, WithoutTorquesNothingIsCorrected) {
+  Random random(1);
+  JointPlay joint_play(robot_);
+  for (int steps = 0; steps < 40; ++steps)
+    step(joint_play, 0.01, random);
+  ASSERT_GT(joint_play.estimate(), 0.005);
+  VecX q = link_;
+  joint_play.correct(q, VecX(), contact_, kBothStand);
+  EXPECT_EQ(q, link_);
+}
+
+TEST_P(JointPlayTest, StaysWithinItsBoundWhateverIsMeasured) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Random random(seed);
+    JointPlay joint_play(robot_);
+    for (int tick = 0; tick < 400; ++tick) {
+      VecX q(n_), torque(n_);
+      for (Eigen::Index j = 0; j < n_; ++j) {
+        q[j] = random(-3.0, 3.0);
+        torque[j] = random(-100.0, 100.0);
+      }
+      contact_.update({random(-1.0, 2.0) * weight_, random(-1.0, 2.0) * weight_});
+      const VecX read = q;
+      joint_play.correct(q, torque, contact_, {random(-1.0, 4.0) > 0.0, random(-1.0, 4.0) > 0.0});
+      ASSERT_GE(joint_play.estimate(), 0.0);
+      ASSERT_LE(joint_play.estimate(), 0.02);
+      ASSERT_LE((q - read).lpNorm<Eigen::Infinity>(), 0.0201);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace baton
