@@ -35,7 +35,7 @@ struct GuideContext {
   /// postures and goals are the model's.
   Vec2 com_offset{Vec2::Zero()};
 
-  double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
+  double place_uncertainty = 0.0;  ///< error bound of the robot's position [m]
 
   Pose slip_free_frame{};   ///< where the planning frame would be in the world if no sole had slipped
   Pose drift_correction{};  ///< correction towards `slip_free_frame`, in the planning frame, for a guided trunk

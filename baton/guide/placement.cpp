@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "baton/model/contact.hpp"
+#include "baton/model/place_margins.hpp"
 
 namespace baton {
 namespace {
@@ -87,7 +88,7 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
     return placement;
   }
   const Foothold foothold =
-      world_->foothold(in_world, profile.ground, edge.value_or(profile.margin.edge + context.place_uncertainty));
+      world_->foothold(in_world, profile.ground, edge.value_or(edge_margin(*robot_, context.place_uncertainty)));
   if (!foothold.flat) {
     placement.refusal = {Reason::ground, part, foothold.deviation, profile.ground.flatness, ""};
     return placement;

@@ -119,7 +119,7 @@ struct Profile {
     double torque = 0.0;          ///< largest share of the stall torque
     double acceleration = 0.0;    ///< largest joint acceleration [rad/s²]
     double friction = 0.0;        ///< largest ratio of tangential to normal force
-    double self_collision = 0.0;  ///< least distance between links, and of links from the world [m]
+    double self_collision = 0.0;  ///< least distance between links, and of links from obstacles [m]
     double edge = 0.0;            ///< least distance of a foothold from terrain edges [m]
   } margin;
 

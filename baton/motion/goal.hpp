@@ -30,7 +30,7 @@ struct Goal {
   Part guided = Part::trunk;
   std::optional<Side> swing;       ///< the foot that moves, if any
   bool returns = false;            ///< the swing foot lands on its previous foothold
-  double place_uncertainty = 0.0;  ///< error bound of the robot's position, added to the edge margin [m]
+  double place_uncertainty = 0.0;  ///< error bound of the robot's position [m]
   Pose drift_correction{};         ///< part of the goal's displacement that corrects drift from slipping soles
   BySide<Pose> sole;
   BySide<bool> contact{true, true};  ///< which soles stand at the end

@@ -6,8 +6,7 @@
 namespace baton {
 namespace {
 
-constexpr double kShare = 0.05;     ///< of the trunk's reach that a motion corrects
-constexpr double kUncertain = 0.7;  ///< share of the room beside an edge that uncertainty of the place may take
+constexpr double kShare = 0.05;  ///< of the trunk's reach that a motion corrects
 
 }  // namespace
 
@@ -27,16 +26,6 @@ Pose drift_correction(const RobotModel& robot, const GuideContext& context, cons
   Vec3 p = com - R * com;
   p.head<2>() += bounded(shift, share * reach.trunk);
   return {p, R};
-}
-
-double bounded_uncertainty(const RobotModel& robot, double uncertainty) {
-  const Profile& profile = robot.profile();
-  double toe = 0.0;
-  for (const Vec2& vertex : robot.sole(Side::left).vertices())
-    toe = std::max(toe, vertex.x());
-  // What the longest step past an edge leaves on each side of it, beside the margin to edges.
-  const double room = std::max(0.0, 0.5 * (profile.region.foot_x.hi - 2.0 * toe) - profile.margin.edge);
-  return std::min(uncertainty, kUncertain * room);
 }
 
 }  // namespace baton

@@ -14,8 +14,4 @@ inline constexpr double kInPlace = 1e-3;
 /// towards `context.slip_free_frame`, of at most a twentieth of the trunk's reach. Identity for all other commands.
 [[nodiscard]] Pose drift_correction(const RobotModel& robot, const GuideContext& context, const Command& command);
 
-/// Uncertainty of the robot's position to add to the edge margin, capped so that steps past an edge remain possible
-/// [m].
-[[nodiscard]] double bounded_uncertainty(const RobotModel& robot, double uncertainty);
-
 }  // namespace baton

@@ -373,9 +373,8 @@ GuideContext Requests::context_at_rest() const {
   context.slip_free_frame = course_.slip_free_frame();
   context.com_offset = now_.correction.com_offset;
   // With a foot in the air it stays what that was to land with.
-  context.place_uncertainty = both_stand(course_.sample().contact)
-                                  ? bounded_uncertainty(now_.robot, now_.watch.odometry().uncertainty())
-                                  : course_.uncertainty();
+  context.place_uncertainty =
+      both_stand(course_.sample().contact) ? now_.watch.odometry().uncertainty() : course_.uncertainty();
   return context;
 }
 

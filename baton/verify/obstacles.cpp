@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "baton/model/error.hpp"
 
@@ -18,14 +19,23 @@ Obstacles::Obstacles(const RobotModel& robot, const World& world) {
   const int root = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, 1), owner);
   const BySide<std::string> feet{name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(Side::left)),
                                  name_of(robot.mj(), mjOBJ_BODY, robot.foot_body(Side::right))};
+  std::set<std::string> arm;
+  for (const Side side : kSides) {
+    for (int body = robot.hand_body(side); body > 1; body = robot.mj().body_parentid[body]) {
+      arm.insert(name_of(robot.mj(), mjOBJ_BODY, body));
+      if (body == robot.shoulder_body(side)) break;
+    }
+  }
   const auto collides = [&m](int g) { return m.geom_contype[g] != 0 || m.geom_conaffinity[g] != 0; };
   for (int link = 0; link < m.ngeom; ++link) {
     if (!collides(link) || m.body_rootid[m.geom_bodyid[link]] != root) continue;
     const std::string body = name_of(m, mjOBJ_BODY, m.geom_bodyid[link]);
     const bool foot = body == feet.left || body == feet.right;
+    const bool of_arm = arm.count(body) > 0;
     for (int obstacle = 0; obstacle < m.ngeom; ++obstacle) {
       if (!collides(obstacle) || m.body_rootid[m.geom_bodyid[obstacle]] == root) continue;
-      if (!foot || !World::is_ground(name(obstacle))) pairs_.push_back({link, obstacle});
+      const bool ground = World::is_ground(name(obstacle));
+      if (!foot || !ground) (of_arm || ground ? pairs_ : by_map_).push_back({link, obstacle});
     }
   }
 }
@@ -45,11 +55,14 @@ double Obstacles::least_distance(int geom, const Vec3& point) const {
   }
 }
 
-double Obstacles::distance(const VecX& q, double limit, std::array<int, 2>& geoms) {
+void Obstacles::set(const VecX& q) {
   mju_copy(data_->qpos, q.data(), model_->nq);
   mj_kinematics(model_.get(), data_.get());
+}
+
+double Obstacles::distance(bool by_map, double limit, std::array<int, 2>& geoms) const {
   double least = limit;
-  for (const auto& [link, obstacle] : pairs_) {
+  for (const auto& [link, obstacle] : by_map ? by_map_ : pairs_) {
     const Vec3 centre = Eigen::Map<const Vec3>(data_->geom_xpos + 3 * link);
     if (least_distance(obstacle, centre) - model_->geom_rbound[link] >= least) continue;
     const double distance = mj_geomDistance(model_.get(), data_.get(), link, obstacle, least, nullptr);

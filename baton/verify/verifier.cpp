@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+
+#include "baton/model/place_margins.hpp"
 
 namespace baton {
 namespace {
@@ -205,7 +208,7 @@ double Verifier::max_tilt(const Motion& motion) {
 
 double Verifier::edge_margin(const Motion& motion) const {
   // A foot may return to a foothold, even if a slip of a millimetre has moved that into the margin.
-  return motion.retraces || motion.goal.returns ? 0.0 : bounds_.limits.edge + motion.goal.place_uncertainty;
+  return motion.retraces || motion.goal.returns ? 0.0 : baton::edge_margin(*robot_, motion.goal.place_uncertainty);
 }
 
 double Verifier::contact_height() const {
@@ -310,8 +313,8 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
     return first || gap.lower_bound < gap.smallest;
   };
   // Links that are too close already, as after a slip, must come no closer: they could not move apart otherwise.
-  const auto enter = [&](Gap& gap, Reason reason, double distance, int pair) {
-    const bool near_already = distance > 0.0 && distance < margin;
+  const auto enter = [&](Gap& gap, Reason reason, double touching, double distance, int pair) {
+    const bool near_already = distance > touching && distance < margin;
     if (first) gap.limit = near_already ? distance - kDistanceSlack : margin;
     gap.lower_bound = distance;
     gap.smallest = std::min({gap.smallest, distance, near});
@@ -320,14 +323,21 @@ void Verifier::check_distances(const MotionSample& sample, const Pose& anchor, b
   if (due(self_gap_, 2.0 * moved)) {
     std::array<int, 2> pair{-1, -1};
     const double distance = kinematics_.self_distance(2.0 * near, &pair);
-    enter(self_gap_, Reason::self_collision, distance, subject(pair, robot_->mj().ngeom));
+    enter(self_gap_, Reason::self_collision, 0.0, distance, subject(pair, robot_->mj().ngeom));
   }
-  if (due(world_gap_, moved)) {
-    in_world_ = sample.q;
-    set_root(in_world_, anchor * kinematics_.body(1));
+  bool set = false;
+  for (const bool by_map : {false, true}) {
+    Gap& gap = by_map ? map_gap_ : world_gap_;
+    if (!due(gap, moved)) continue;
+    if (!std::exchange(set, true)) {
+      in_world_ = sample.q;
+      set_root(in_world_, anchor * kinematics_.body(1));
+      obstacles_.set(in_world_);
+    }
     std::array<int, 2> pair{-1, -1};
-    const double distance = obstacles_.distance(in_world_, 2.0 * near, pair);
-    enter(world_gap_, Reason::obstacle, distance, subject(pair, obstacles_.geoms()));
+    const double unsure = by_map ? bounds_.uncertainty : 0.0;
+    const double distance = obstacles_.distance(by_map, 2.0 * near + unsure, pair) - unsure;
+    enter(gap, Reason::obstacle, -unsure, distance, subject(pair, obstacles_.geoms()));
   }
 }
 
@@ -363,6 +373,7 @@ std::variant<VerifiedMotion, Refusal> Verifier::verify(Motion motion, const Pose
   }
   check_footholds(motion, anchor, ledger);
   bounds_.tilt = max_tilt(motion);
+  bounds_.uncertainty = obstacle_uncertainty(*robot_, motion.retraces ? 0.0 : motion.goal.place_uncertainty);
   heat_ = motion.heat.empty() ? heat_model_.cold() : motion.heat;
   for (int k = 0; k <= motion.ticks() && !ledger.violated(); ++k) {
     MotionSample& sample = motion.samples[static_cast<std::size_t>(k)];

@@ -77,6 +77,7 @@ class Verifier {
     double swing_margin = 0.0;  ///< [m]
     double least_height = 0.0;  ///< [m]
     double tilt = 0.0;          ///< of the trunk [rad]
+    double uncertainty = 0.0;   ///< of the place, beside obstacles [m]
   };
   Bounds bounds_;
   ConvexPolygon support_;  ///< support polygon of the current tick
@@ -90,6 +91,7 @@ class Verifier {
   };
   Gap self_gap_;
   Gap world_gap_;
+  Gap map_gap_;                 ///< the same where the uncertainty of the place counts, less that
   std::vector<Pose> links_;     ///< poses of all bodies but the world, at the last call of `travel`
   std::vector<double> extent_;  ///< largest distance of their geoms' points from the body's origin [m]
 };

@@ -521,7 +521,9 @@ TEST_P(VerifierTest, FromTooNearAThingItMayLeaveButNotComeNearer) {
       const double side = direction * (way.x() > 0.0 ? 1.0 : -1.0);
       world.emplace(floor_with_box(GetParam(), hand_before + Vec3(side * (half + gap), 0, 0), half));
       std::array<int, 2> pair{-1, -1};
-      distance = Obstacles(robot_, *world).distance(motion.samples.front().q, 1.0, pair);
+      Obstacles obstacles(robot_, *world);
+      obstacles.set(motion.samples.front().q);
+      distance = obstacles.distance(false, 1.0, pair);
       if (std::abs(distance - 0.5 * margin_.self_collision) < 1e-5) break;
       gap += 0.5 * margin_.self_collision - distance;
     }
@@ -559,6 +561,66 @@ TEST_P(VerifierTest, RefusesABodyThatHitsAThingInTheWorld) {
     Verifier free(robot_, beside);
     EXPECT_FALSE(certificate_of(motion, free, limits_, anchor).margins.empty());
   }
+}
+
+TEST_P(VerifierTest, TheLessSureThePlaceTheFartherFromThingsTrunkAndLegsStay) {
+  Motion motion = step();
+  const double half = 0.02 * size_;
+  const double to_spare = 0.05 * size_;
+  const auto least_distance = [&](const World& world, bool by_map) {
+    Obstacles obstacles(robot_, world);
+    double least = std::numeric_limits<double>::infinity();
+    for (const MotionSample& sample : motion.samples) {
+      std::array<int, 2> pair{-1, -1};
+      obstacles.set(sample.q);
+      least = std::min(least, obstacles.distance(by_map, 10.0 * size_, pair));
+    }
+    return least;
+  };
+  // A crate ahead of the trunk, moved until it is that far beyond the margin.
+  double x = motion.samples.front().com.x() + 0.6 * size_;
+  std::optional<World> world;
+  for (int k = 0; k < 60; ++k) {
+    world.emplace(floor_with_box(GetParam(), Vec3(x, 0, size_), half));
+    const double off = margin_.self_collision + to_spare - least_distance(*world, true);
+    if (std::abs(off) < 1e-5) break;
+    x += off;
+  }
+  ASSERT_NEAR(least_distance(*world, true), margin_.self_collision + to_spare, 1e-5);
+  ASSERT_GT(least_distance(*world, false), margin_.self_collision);
+  Verifier verifier(robot_, *world);
+  for (const double unsure : {0.0, 0.03, 0.049, 0.051, 0.08, 0.2}) {
+    motion.goal.place_uncertainty = unsure * size_;
+    const auto verdict = verifier.verify(motion, Pose{}, limits_);
+    ASSERT_EQ(std::holds_alternative<VerifiedMotion>(verdict), unsure < 0.05) << unsure;
+    if (unsure < 0.05) continue;
+    EXPECT_EQ(std::get<Refusal>(verdict).reason, Reason::obstacle);
+    EXPECT_THAT(std::get<Refusal>(verdict).where, testing::HasSubstr("crate"));
+  }
+}
+
+TEST_P(VerifierTest, TheArmsDistanceIsTheOperatorsMatter) {
+  Motion motion = step();
+  Kinematics kinematics(robot_);
+  kinematics.set(motion.samples.front().q);
+  const double half = 0.02 * size_;
+  const World beside =
+      floor_with_box(GetParam(), kinematics.hand(Side::left).p + Vec3(0, half + 0.16 * size_, 0), half);
+  Obstacles obstacles(robot_, beside);
+  double arms = std::numeric_limits<double>::infinity();
+  double others = arms;
+  for (const MotionSample& sample : motion.samples) {
+    std::array<int, 2> pair{-1, -1};
+    obstacles.set(sample.q);
+    arms = std::min(arms, obstacles.distance(false, size_, pair) - margin_.self_collision);
+    others = std::min(others, obstacles.distance(true, size_, pair) - margin_.self_collision);
+  }
+  ASSERT_GT(arms, 0.0);
+  ASSERT_LT(arms, 0.09 * size_);
+  ASSERT_GT(others, arms);
+  motion.goal.place_uncertainty = 0.5 * (arms + std::min(others, 0.1 * size_));
+  Verifier verifier(robot_, beside);
+  EXPECT_FALSE(certificate_of(motion, verifier, limits_).margins.empty());
 }
 
 TEST_P(VerifierTest, MeasuresTheDistanceToAThing) {
