@@ -5,6 +5,7 @@
 namespace baton {
 namespace {
 
+constexpr double kAtEdges = 0.1;       ///< share of the uncertainty: feet could not come close enough to step past one
 constexpr double kEdgeShare = 0.7;     ///< share of the room beside an edge that uncertainty may take
 constexpr double kFromObstacle = 0.1;  ///< largest part for uncertainty [COM height]
 
@@ -17,7 +18,7 @@ double edge_margin(const RobotModel& robot, double uncertainty) {
     toe = std::max(toe, vertex.x());
   // What the longest step past an edge leaves on each side of it, beside the margin to edges.
   const double room = std::max(0.0, 0.5 * (profile.region.foot_x.hi - 2.0 * toe) - profile.margin.edge);
-  return profile.margin.edge + std::min(uncertainty, kEdgeShare * room);
+  return profile.margin.edge + std::min(kAtEdges * uncertainty, kEdgeShare * room);
 }
 
 double obstacle_uncertainty(const RobotModel& robot, double uncertainty) {

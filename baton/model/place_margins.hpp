@@ -5,8 +5,8 @@
 
 namespace baton {
 
-/// Least distance of a foothold from terrain edges [m]: the profile's, plus the uncertainty as far as steps past an
-/// edge remain possible.
+/// Least distance of a foothold from terrain edges [m]: the profile's, plus a tenth of the uncertainty as far as steps
+/// past an edge remain possible. The whole of it would let no foot near enough to an edge to step past it.
 /// @param uncertainty error bound of the robot's position [m]
 [[nodiscard]] double edge_margin(const RobotModel& robot, double uncertainty);
 

@@ -555,13 +555,13 @@ TEST(GuideInTheRoom, TheLessSureThePlaceTheFartherFromEdges) {
   for (const Vec2& vertex : robot.sole(Side::left).vertices())
     toe = std::max(toe, vertex.x());
   const double edge = 0.12 - robot.profile().margin.edge - toe;  // the stage ends at 0.12
-  for (const double unsure : {0.0, 0.001, 0.0025}) {
+  for (const double unsure : {0.0, 0.01, 0.025}) {
     for (const double nearer : {-1e-4, 1e-4}) {
       GuideContext context{from, Pose{}, Side::right, from.sole};
       context.place_uncertainty = unsure;
       Command step;
       step.guide = Part::left_foot;
-      step.axes[0] = (edge - unsure + nearer - from.sole.left.p.x()) / robot.profile().reach.foot;
+      step.axes[0] = (edge - 0.1 * unsure + nearer - from.sole.left.p.x()) / robot.profile().reach.foot;
       while (std::abs(step.axes[0]) > 1.0) {  // within reach of it
         const double closer = std::copysign(robot.profile().reach.foot, step.axes[0]);
         for (const Side side : kSides)

@@ -337,7 +337,7 @@ TEST_P(VerifierTest, TheLessSureThePlaceTheFartherFromEdgesALandingMustBe) {
   const World world = ledge(GetParam(), toe + 1.5 * margin_.edge, size_);
   Verifier verifier(robot_, world);
   for (const double unsure : {0.0, 0.4, 0.6, 1.0}) {
-    motion.goal.place_uncertainty = unsure * margin_.edge;
+    motion.goal.place_uncertainty = 10.0 * unsure * margin_.edge;
     const auto verdict = verifier.verify(motion, Pose{}, limits_);
     ASSERT_EQ(std::holds_alternative<VerifiedMotion>(verdict), unsure < 0.5) << unsure;
     if (unsure < 0.5) continue;
