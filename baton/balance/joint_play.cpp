@@ -9,13 +9,18 @@ namespace {
 constexpr double kLoaded = 0.04;    ///< torque from which a motor is at an end of its play [stall torque]
 constexpr double kCrossing = 0.12;  ///< time constant of crossing the play [1/ω]
 constexpr double kCarries = 0.1;    ///< load from which a sole stands still [total load]
-constexpr double kUsual = 2.0;      ///< displacement per play in a double support [COM height/rad]
-constexpr double kPrior = 2.0;      ///< such double supports that no play, as one expects, counts for
-constexpr double kMemory = 60.0;    ///< the same, for all that was seen
+constexpr double kUsual = 2.0;      ///< displacement of a sole per play, in a usual double support [COM height/rad]
+constexpr double kPrior = 2.0;      ///< weight of the prior, no play [usual double supports]
+constexpr double kMemory = 60.0;    ///< largest weight of all that was seen [usual double supports]
 constexpr double kFound = 0.75;     ///< share of the play that is found: a motor's place is uncertain when it crosses
 constexpr double kLeast = 5e-4;     ///< less cannot be told from soles that give [rad]
 constexpr double kLargest = 0.02;   ///< [rad]
 constexpr double kStep = 1e-3;      ///< for the derivative [rad]
+
+/// Weight of a usual double support [m²/rad²].
+double usual_weight(const RobotModel& robot) {
+  return std::pow(kUsual * robot.profile().stance.com_height, 2);
+}
 
 }  // namespace
 
@@ -27,7 +32,7 @@ JointPlay::JointPlay(const RobotModel& robot)
       end_(VecX::Zero(robot.nv() - 6)),
       latest_{end_, end_},
       begin_(latest_),
-      trust_(kPrior * std::pow(kUsual * robot.profile().stance.com_height, 2)) {
+      trust_(kPrior * usual_weight(robot)) {
   configuration_[3] = 1.0;
 }
 
@@ -57,8 +62,7 @@ void JointPlay::learn() {
   // Least squares, recursive, with a memory that fades.
   const Vec3 off = moved(play_);
   const Vec3 by_play = (moved(play_ + kStep) - off) / kStep;
-  const double longest = kMemory * std::pow(kUsual * robot_->profile().stance.com_height, 2);
-  trust_ = std::min(trust_ + by_play.squaredNorm(), longest);
+  trust_ = std::min(trust_ + by_play.squaredNorm(), kMemory * usual_weight(*robot_));
   play_ = std::clamp(play_ - by_play.dot(off) / trust_, 0.0, kLargest);
 }
 

@@ -146,7 +146,7 @@ class Guide {
   /// Places a foot on the terrain, or in the air above it.
   /// @param at position of the sole [m]
   /// @param lift height above the terrain [m]; 0: it stands
-  /// @param edge distance from terrain edges [m]; by default `margin.edge` plus the position's uncertainty
+  /// @param edge distance from terrain edges [m]; by default `edge_margin` of the position's uncertainty
   [[nodiscard]] Placement place(const GuideContext& context, Side side, const Vec2& at, double yaw, double lift,
                                 const FootRegion& region, std::optional<double> edge = {}) const;
   /// The valid foothold nearest to `at`, by a grid search over the region.

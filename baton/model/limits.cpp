@@ -21,7 +21,6 @@ Limits Limits::normal(const Profile& profile) {
           .heat = 1.0,
           .friction = profile.margin.friction,
           .self_collision = profile.margin.self_collision,
-          .edge = profile.margin.edge,
           .swing_clearance = profile.swing.clearance,
           .swing_time = profile.swing.time};
 }

@@ -17,7 +17,6 @@ struct Limits {
   double heat = 0.0;              ///< largest rise of a winding's temperature [permitted rise]
   double friction = 0.0;          ///< largest ratio of tangential to normal contact force
   double self_collision = 0.0;    ///< least distance between links [m]
-  double edge = 0.0;              ///< least distance of a foothold from terrain edges [m]
   double swing_clearance = 0.0;   ///< swing apex above the higher foothold [m]
   double swing_time = 0.0;        ///< shortest swing of a step [s]
 

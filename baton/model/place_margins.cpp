@@ -5,7 +5,7 @@
 namespace baton {
 namespace {
 
-constexpr double kAtEdges = 0.1;       ///< share of the uncertainty: feet could not come close enough to step past one
+constexpr double kAtEdges = 0.1;       ///< share of the uncertainty that counts at edges
 constexpr double kEdgeShare = 0.7;     ///< share of the room beside an edge that uncertainty may take
 constexpr double kFromObstacle = 0.1;  ///< largest part for uncertainty [COM height]
 

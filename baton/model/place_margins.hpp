@@ -10,8 +10,8 @@ namespace baton {
 /// @param uncertainty error bound of the robot's position [m]
 [[nodiscard]] double edge_margin(const RobotModel& robot, double uncertainty);
 
-/// What to keep farther from obstacles for it [m]: the uncertainty, up to a tenth of the COM height, so that a robot
-/// that walked far can still work close to them.
+/// Distance that trunk and legs keep from obstacles beyond the profile's margin [m]: the uncertainty, up to a tenth of
+/// the COM height, so that a robot that has walked far can still work close to them.
 /// @param uncertainty error bound of the robot's position [m]
 [[nodiscard]] double obstacle_uncertainty(const RobotModel& robot, double uncertainty);
 

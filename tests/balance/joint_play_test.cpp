@@ -26,7 +26,8 @@ class Random {
 class JointPlayTest : public testing::TestWithParam<std::string> {
  protected:
   /// Load passes between the legs, then the right foot leaves the ground for a moment.
-  void step(JointPlay& joint_play, double play, Random& random) {
+  /// @param noise of the encoders [rad]
+  void step(JointPlay& joint_play, double play, Random& random, double noise = 0.0) {
     VecX torque = VecX::Zero(n_);
     const auto push = [&] {
       for (Eigen::Index j = 0; j < n_; ++j)
@@ -39,7 +40,10 @@ class JointPlayTest : public testing::TestWithParam<std::string> {
           const double loaded = 0.04 * robot_.joints()[static_cast<std::size_t>(j)].motor.stall;
           if (std::abs(torque[j]) > loaded) motor_[j] = link_[j] + std::copysign(play, torque[j]);
         }
-        found_ = motor_;
+        read_ = motor_;
+        for (double& angle : read_)
+          angle += random(-noise, noise);
+        found_ = read_;
         joint_play.correct(found_, torque, contact_, planned);
       }
     };
@@ -55,7 +59,8 @@ class JointPlayTest : public testing::TestWithParam<std::string> {
   const Eigen::Index n_ = robot_.nv() - 6;
   const VecX link_ =
       stand(robot_, World::load("flat").site("start"), robot_.profile().stance.com_height).q.tail(robot_.nv() - 6);
-  VecX motor_ = link_;  ///< what the encoders read
+  VecX motor_ = link_;
+  VecX read_;  ///< by the encoders
   VecX found_;
   SoleContact contact_{weight_, robot_.profile().tick.period};
 };
@@ -82,14 +87,10 @@ TEST_P(JointPlayTest, IsNotImagined) {
     Random random(seed);
     motor_ = link_;
     JointPlay joint_play(robot_);
-    const double noise = 2e-4;  // steps of an encoder
     for (int steps = 0; steps < 40; ++steps) {
-      for (Eigen::Index j = 0; j < n_; ++j)
-        motor_[j] = link_[j] + random(-noise, noise);
-      const VecX read = motor_;
-      step(joint_play, 0.0, random);
+      step(joint_play, 0.0, random, 2e-4);
       EXPECT_EQ(joint_play.estimate(), 0.0) << seed << " after " << steps;
-      EXPECT_EQ(found_, motor_);
+      EXPECT_EQ(found_, read_);
     }
   }
 }
