@@ -251,7 +251,7 @@ def test_stand_key(model, profile):
 
 def test_every_collision_geom_has_a_name_and_meets_only_the_world(model):
     own = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
-    assert all(re.fullmatch(r"(left|right)_\w+_col|trunk_col", model.geom(g).name) for g in own)
+    assert all(re.fullmatch(r"(left|right)_\w+_col|(trunk|pelvis)_col", model.geom(g).name) for g in own)
     for a, b in itertools.product(own, own):
         assert not model.geom_contype[a] & model.geom_conaffinity[b]
     assert all((1 & model.geom_conaffinity[g]) or (model.geom_contype[g] & 1) for g in own)  # a world geom: 1, 1
@@ -265,6 +265,7 @@ def test_pairs(model):
     for side in SIDES:
         wanted += [(f"{side}_{part}", "trunk") for part in ("upper_arm", "forearm", "hand")]
         wanted += [(f"{side}_{part}", f"{side}_thigh") for part in ("forearm", "hand")]
+        wanted += [(f"{side}_thigh", "pelvis")]
     for a, b in wanted:
         assert frozenset((a + "_col", b + "_col")) in pairs
     for side, other in (("left", "right"), ("right", "left")):  # what one side has, the other has
@@ -278,6 +279,22 @@ def test_no_self_contact(model, profile, key):
     distances = pair_distances(model, data)
     assert min(distances.values()) > 2 * profile["margin"]["self_collision"], distances
     assert data.ncon == 0
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_no_hip_angle_brings_a_thigh_to_the_trunk(model, profile, side):
+    """The pelvis fills the lower part of what is drawn of the trunk, so this holds for the robot, not for a box alone."""
+    drawn = [g for g in model.body("body").geomadr + np.arange(model.body("body").geomnum[0])
+             if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_BOX and not model.geom_contype[g]]  # fmt: skip
+    pelvis = model.geom("pelvis_col")
+    lowest = min(drawn, key=lambda g: model.geom_pos[g][2] - model.geom_size[g][2])
+    assert (pelvis.pos - pelvis.size <= model.geom_pos[lowest] - model.geom_size[lowest] + 1e-9).all()
+    ranges = [np.rad2deg(model.joint(f"{side}_hip_{way}").range) for way in ("flexion", "abduction")]
+    pair = f"{side}_thigh__pelvis"
+    for flexion, abduction in itertools.product(*(np.linspace(*r, 25) for r in ranges)):
+        pose = {f"{side}_hip_flexion": flexion, f"{side}_hip_abduction": abduction}
+        distance = pair_distances(model, posed(model, qpos_of(model, pose)))[pair]
+        assert distance > profile["margin"]["self_collision"], pose
 
 
 def test_self_contact_is_seen(model):
