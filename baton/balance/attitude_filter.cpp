@@ -29,13 +29,12 @@ const Mat3& AttitudeFilter::update(const Measurement::Imu& imu, const MotionSamp
   R_ = R_ * rotation_exp(turn + bounded(Vec3(period_ * imu.rate - turn), period_ * kWander));
   const Vec3 expected = heading_from_plan(R_ * root_in_imu_, planned) * planned_specific_force(planned);
   const Vec3 felt = R_ * imu.acceleration;
-  const Vec3 off = rotation_error(rotation_z(-drifted_) * imu.attitude, R_);
+  const Vec3 off = rotation_error(rotation_z(-yaw_error_) * imu.attitude, R_);
   const Vec3 tilted = bounded(Vec3(felt.cross(expected) / expected.squaredNorm()), kTilted);
   Vec3 error = rate_attitude_ * off + rate_gravity_ * tilted;
   error.z() = 0.0;
   R_ = rotation_exp(period_ * error) * R_;
-  drifted_ += period_ * yaw_drift_;
-  R_ = rotation_z(yaw_of(imu.attitude * root_in_imu_) - drifted_ - yaw_of(R_ * root_in_imu_)) * R_;
+  R_ = rotation_z(yaw_of(imu.attitude * root_in_imu_) - yaw_error_ - yaw_of(R_ * root_in_imu_)) * R_;
   return R_;
 }
 

@@ -20,8 +20,8 @@ class AttitudeFilter {
   /// @param planned sample of this tick: its acceleration is subtracted from the specific force
   [[nodiscard]] const Mat3& update(const Measurement::Imu& imu, const MotionSample& planned);
 
-  /// Sets the drift of the sensor's yaw that is subtracted from now on [rad/s].
-  void set_yaw_drift(double rate) { yaw_drift_ = rate; }
+  /// Sets the error of the sensor's yaw, which is subtracted from now on [rad].
+  void set_yaw_error(double error) { yaw_error_ = error; }
 
  private:
   Mat3 root_in_imu_;
@@ -30,8 +30,7 @@ class AttitudeFilter {
   double rate_gravity_;   ///< at which they follow the direction of gravity [1/s]
   Mat3 R_ = Mat3::Identity();
   Mat3 last_ = Mat3::Identity();  ///< the sensor's attitude one tick ago
-  double yaw_drift_ = 0.0;        ///< [rad/s]
-  double drifted_ = 0.0;          ///< yaw drift so far [rad]
+  double yaw_error_ = 0.0;        ///< error of the sensor's yaw [rad]
   bool first_ = true;
 };
 

@@ -64,7 +64,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   contact_.update(load_of(completed_.sole));
   yaw_drift_.update({yaw_of(kinematics_.sole(Side::left).R), yaw_of(kinematics_.sole(Side::right).R)}, contact_,
                     planned);
-  attitude_.set_yaw_drift(yaw_drift_.rate());
+  attitude_.set_yaw_error(yaw_drift_.error());
   legs_.update(kinematics_, dq_, imu.acceleration, contact_);
   legs_.shift(map_.correction(kinematics_, legs_.foothold(), contact_, planned.contact));
   completed_.root = RootMeasurement{{legs_.place(), imu.R}, legs_.velocity(), imu.rate};

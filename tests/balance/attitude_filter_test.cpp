@@ -111,13 +111,13 @@ TEST(AttitudeFilter, TheYawIsTheSensorsButForItsDrift) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     TurningSensor sensor(seed);
     AttitudeFilter filter({}, kPeriod, kOmega);
-    filter.set_yaw_drift(0.003);
     double off = 0.0;
     constexpr int kTicks = 2000;
     for (int tick = 0; tick < kTicks; ++tick) {
       Measurement::Imu imu = sensor.imu;
       const double drifted = 0.003 * kPeriod * tick;
       imu.attitude = rotation_z(drifted) * imu.attitude;
+      filter.set_yaw_error(drifted);
       off = wrap_angle(yaw_of(filter.update(imu, sensor.planned)) - yaw_of(sensor.imu.attitude));
       sensor.advance();
     }

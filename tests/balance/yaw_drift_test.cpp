@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 namespace baton {
@@ -16,48 +17,116 @@ MotionSample at_rest() {
   return sample;
 }
 
-/// Estimated drift after `seconds`, of soles that turn by the true drift less the estimate.
-double estimate(double drift, double seconds, MotionSample planned, double noise, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  YawDrift yaw_drift(kPeriod);
-  SoleContact contact(kWeight, kPeriod);
-  double yaw = 0.0;
-  const int ticks = static_cast<int>(std::lround(seconds / kPeriod));
-  for (int tick = 0; tick < ticks; ++tick) {
-    contact.update({0.5 * kWeight, 0.5 * kWeight});
-    yaw += kPeriod * (drift - yaw_drift.rate());
-    yaw_drift.update({yaw + noise * normal(random), yaw + noise * normal(random)}, contact, planned);
-  }
-  return yaw_drift.rate();
+MotionSample walking(double turning = 0.0) {
+  MotionSample sample = at_rest();
+  sample.dq[10] = 1.0;
+  sample.dq[5] = turning;
+  return sample;
 }
 
-TEST(YawDrift, IsFoundAtRest) {
+/// Soles seen through an IMU whose yaw drifts.
+class Drifting {
+ public:
+  Drifting(double drift, std::uint64_t seed) : drift_(drift), random_(seed) {}
+
+  /// @param twist yaw of the true soles at a time [rad]
+  /// @param left share of the load
+  void live(double seconds, const MotionSample& planned, double left = 0.5, double noise = 0.0,
+            const std::function<BySide<double>(double)>& twist = nullptr) {
+    const int ticks = static_cast<int>(std::lround(seconds / kPeriod));
+    for (int tick = 0; tick < ticks; ++tick) {
+      contact_.update({left * kWeight, (1.0 - left) * kWeight});
+      yaw += kPeriod * drift_;
+      const BySide<double> soles = twist ? twist(kPeriod * tick) : BySide<double>{0.0, 0.0};
+      const double seen = yaw - estimate.error();
+      estimate.update({seen + soles.left + noise * normal_(random_), seen + soles.right + noise * normal_(random_)},
+                      contact_, planned);
+    }
+  }
+
+  YawDrift estimate{kPeriod};
+  double yaw = 0.0;  ///< error of the IMU's [rad]
+
+ private:
+  double drift_;
+  SoleContact contact_{kWeight, kPeriod};
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+TEST(YawDrift, ASecondOfPerfectRestTellsIt) {
+  for (int k = -50; k <= 50; ++k) {
+    Drifting imu(1e-4 * k, 0);  // up to 17 degrees a minute
+    imu.live(1.0, at_rest());
+    EXPECT_NEAR(imu.estimate.rate(), 1e-4 * k, 0.03 * std::abs(1e-4 * k)) << k;
+    EXPECT_NEAR(imu.estimate.error(), imu.yaw, 0.03 * std::abs(imu.yaw) + 1e-12) << k;
+  }
+}
+
+TEST(YawDrift, EncoderNoiseIsAveragedOverALongRest) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const double drift = 0.006 * (static_cast<double>(seed) / 100.0 - 1.0);
-    EXPECT_NEAR(estimate(drift, 60.0, at_rest(), 2e-4, seed), drift, 0.1 * std::abs(drift) + 1e-4) << "seed " << seed;
+    Drifting imu(drift, seed);
+    imu.live(60.0, at_rest(), 0.5, 2e-4);
+    EXPECT_NEAR(imu.estimate.rate(), drift, 0.01 * std::abs(drift) + 1e-5) << "seed " << seed;
+    EXPECT_NEAR(imu.estimate.error(), imu.yaw, 0.01 * std::abs(imu.yaw) + 1e-3) << "seed " << seed;
   }
 }
 
-TEST(YawDrift, AShortRestTellsLittle) {  // its noise would be taken for a drift of several degrees a minute
-  for (std::uint64_t seed = 0; seed < 200; ++seed)
-    EXPECT_LT(std::abs(estimate(0.0, 1.0, at_rest(), 1e-3, seed)), 6e-4) << "seed " << seed;
+TEST(YawDrift, AShortNoisyRestTellsLittle) {  // it would be taken for a drift of several degrees a minute
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Drifting imu(0.0, seed);
+    imu.live(1.0, at_rest(), 0.5, 1e-3);
+    EXPECT_LT(std::abs(imu.estimate.rate()), 3e-4) << "seed " << seed;
+  }
 }
 
-TEST(YawDrift, IsFoundMoreSlowlyWhileSolesMayTwist) {
-  MotionSample walking = at_rest();
-  walking.dq[10] = 1.0;
-  const double after_a_second = estimate(0.003, 1.0, walking, 0.0, 1);
-  EXPECT_GT(after_a_second, 0.0);
-  EXPECT_LT(after_a_second, 0.001);
-  EXPECT_GT(estimate(0.003, 60.0, walking, 0.0, 1), 0.0014);
+TEST(YawDrift, ARobotThatSettlesIsNoDrift) {  // by a few tenths of a degree, as play in its joints lets it
+  for (int k = -40; k <= 40; ++k) {
+    Drifting imu(0.0, 0);
+    const auto settling = [k](double t) {
+      const double yaw = 1e-4 * k * (1.0 - std::exp(-4.0 * t));
+      return BySide<double>{yaw, yaw};
+    };
+    imu.live(1.0, at_rest(), 0.5, 0.0, settling);
+    EXPECT_LE(std::abs(imu.estimate.rate()), 1e-3) << k;
+    imu.live(30.0, at_rest(), 0.5, 0.0, [&](double t) { return settling(t + 1.0); });
+    EXPECT_LE(std::abs(imu.estimate.rate()), 3e-4) << k;
+  }
 }
 
-TEST(YawDrift, IsNotLearnedInATurnNorFromASoleThatSlips) {
-  MotionSample turning = at_rest();
-  turning.dq[5] = 0.3;
-  EXPECT_EQ(estimate(0.003, 10.0, turning, 0.0, 1), 0.0);
-  EXPECT_EQ(estimate(2.0, 0.1, at_rest(), 0.0, 1), 0.0);
+TEST(YawDrift, IsFoundMoreSlowlyByTheSoleThatCarriesAWalkingRobot) {
+  Drifting imu(0.003, 0);
+  imu.live(1.0, walking(), 1.0);
+  EXPECT_GT(imu.estimate.rate(), 0.0);
+  EXPECT_LT(imu.estimate.rate(), 0.001);
+  imu.live(59.0, walking(), 1.0);
+  EXPECT_GT(imu.estimate.rate(), 0.002);
+  EXPECT_GT(imu.estimate.error(), 0.7 * imu.yaw);
+  EXPECT_LT(imu.estimate.error(), imu.yaw);
+}
+
+TEST(YawDrift, IsNotLearnedInATurnNorFromSolesThatShareTheLoadNorFromOneThatSlips) {
+  Drifting turning(0.003, 0), sharing(0.003, 0), slipping(2.0, 0);
+  turning.live(10.0, walking(0.3), 1.0);
+  EXPECT_EQ(turning.estimate.rate(), 0.0);
+  sharing.live(10.0, walking(), 0.5);
+  EXPECT_EQ(sharing.estimate.rate(), 0.0);
+  slipping.live(0.1, at_rest());
+  EXPECT_EQ(slipping.estimate.rate(), 0.0);
+}
+
+TEST(YawDrift, WhatARestToldHoldsWhileItWalks) {
+  Drifting imu(0.003, 0);
+  imu.live(1.0, at_rest());
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0.0, 0.006 * std::sqrt(kPeriod));
+  double twisted = 0.0;
+  imu.live(60.0, walking(), 1.0, 0.0, [&](double /*t*/) {
+    twisted += normal(random);
+    return BySide<double>{twisted, twisted};
+  });
+  EXPECT_NEAR(imu.estimate.error(), imu.yaw, 0.01);
 }
 
 }  // namespace
