@@ -11,7 +11,8 @@ constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
 constexpr double kAttitude = 2.0;      ///< moment by the trunk's attitude error [weight × COM height per rad]
 constexpr double kRate = 1.0;          ///< moment by its rate error [weight × COM height per ω]
-constexpr double kOffsetTime = 12.0;   ///< low-pass of the COM offset [1/ω]
+constexpr double kOffsetFirst = 0.6;   ///< low-pass of the COM offset at first [1/ω]
+constexpr double kOffsetTime = 12.0;   ///< the same at last
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
 constexpr double kOffsetBand = 0.01;   ///< dead band of the COM offset [COM height]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
@@ -19,7 +20,7 @@ constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparin
 }  // namespace
 
 Stabiliser::Stabiliser(const RobotModel& robot)
-    : robot_(&robot), kinematics_(robot), footing_(robot), distribution_(robot) {
+    : robot_(&robot), kinematics_(robot), footing_(robot), distribution_(robot), averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
   commanded_ = integral_torque_ = unloaded_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
@@ -98,7 +99,9 @@ void Stabiliser::compare_zmp(const MotionSample& now, const State& state) {
 
 void Stabiliser::update_com_offset(const MotionSample& now, const Vec2& measured) {
   const double height = robot_->profile().stance.com_height;
-  const double follows = robot_->omega() * robot_->profile().tick.period / kOffsetTime;
+  const double period = robot_->omega() * robot_->profile().tick.period;  // [1/ω]
+  const double follows = period / averaged_;
+  averaged_ = std::min(averaged_ + period, kOffsetTime);
   const Eigen::Rotation2Dd heading(mean_yaw(now.sole));
   const Vec2 off = heading.inverse() * (measured - now.zmp);
   steady_zmp_ = bounded(Vec2(steady_zmp_ + follows * (off - steady_zmp_)), kMostOffset * height);
@@ -114,6 +117,7 @@ void Stabiliser::reset() {
   integral_torque_.setZero();
   first_ = true;
   steady_zmp_.setZero();
+  averaged_ = kOffsetFirst;
 }
 
 void Stabiliser::update_integral(const State& state) {

@@ -58,6 +58,7 @@ class Stabiliser {
   JointTarget target_;
   Correction correction_;
   Vec2 steady_zmp_ = Vec2::Zero();  ///< measured − planned ZMP, in the heading frame [m]
+  double averaged_;                 ///< time over which it is averaged [1/ω]
 };
 
 }  // namespace baton

@@ -281,5 +281,31 @@ TEST_P(StabiliserTest, KnowsWhatOfTheCommandedZmpTheGroundDoesNotGive) {
   }
 }
 
+TEST_P(StabiliserTest, LearnsTheComOffsetFastAtFirstAndSlowlyLater) {
+  const MotionSample& rest = moments().front().now;
+  ASSERT_TRUE(rest.contact.left && rest.contact.right);
+  const double h = robot_.profile().stance.com_height;
+  const double weight = robot_.mass() * kGravity;
+  const int moment = static_cast<int>(1.5 / robot_.omega() / robot_.profile().tick.period);
+  for (const Vec2& off : {Vec2(0.1 * h, 0.0), Vec2(0.0, -0.1 * h), Vec2(-0.05 * h, 0.05 * h)}) {
+    Stabiliser stabiliser(robot_);
+    const auto live = [&](int ticks, const Vec2& beyond_plan) {
+      State state = as_planned(rest);
+      for (const Side side : kSides) {
+        const Vec2 lever = rest.zmp + beyond_plan - state.sole[side].p.head<2>();
+        state.force[side] = {{0, 0, 0.5 * weight}, Vec3(lever.x(), lever.y(), 0).cross(Vec3(0, 0, 0.5 * weight))};
+      }
+      for (int k = 0; k < ticks; ++k)
+        static_cast<void>(stabiliser.target(rest, rest, state));
+      return stabiliser.correction().com_offset;
+    };
+    live(1, Vec2::Zero());
+    EXPECT_LT((live(moment, off) - off).norm(), 0.5 * off.norm());
+    stabiliser.reset();
+    live(20 * moment, Vec2::Zero());
+    EXPECT_LT(live(moment, off).norm(), 0.2 * off.norm());
+  }
+}
+
 }  // namespace
 }  // namespace baton
