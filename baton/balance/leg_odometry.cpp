@@ -20,7 +20,7 @@ LegOdometry::LegOdometry(const RobotModel& robot, const Vec3& root, const BySide
       footfall_(sole) {}
 
 void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec3& acceleration,
-                         const SoleContact& contact) {
+                         const SoleContact& contact, const BySide<Wrench>& wrench) {
   const bool first = std::exchange(first_, false);
   const BySide<bool>& touch = contact.touch();
   const double total = contact.total();
@@ -29,7 +29,11 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
   BySide<Vec3> from_root, velocity_from_root;
   for (const Side side : kSides) {
     from_root[side] = kinematics.sole(side).p;
-    kinematics.point_jacobian(robot_->foot_body(side), from_root[side], jacobian_);
+    const Mat3& R = kinematics.sole(side).R;
+    const Vec3 centre = pivot(side, wrench[side]);
+    if (touch[side] && touched_before_[side] && !first) foothold_[side] += (sole_[side] - R) * centre;
+    sole_[side] = R;
+    kinematics.point_jacobian(robot_->foot_body(side), from_root[side] + R * centre, jacobian_);
     velocity_from_root[side].noalias() = jacobian_ * dq;
   }
   velocity_ += period_ * acceleration;
@@ -55,6 +59,12 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
     footfall_[side] = foothold_[side];
   }
   touched_before_ = touch;
+}
+
+Vec3 LegOdometry::pivot(Side side, const Wrench& wrench) const {
+  if (!(wrench.force.z() > 0.0)) return Vec3::Zero();
+  const Vec2 centre = robot_->sole(side).nearest(wrench.zmp(0.0));
+  return {centre.x(), centre.y(), 0.0};
 }
 
 void LegOdometry::shift(const Vec3& by) {

@@ -16,7 +16,10 @@ class LegOdometry {
   /// @param kinematics set to the configuration with the root at the origin, at its measured attitude
   /// @param dq velocity (nv), with zero linear velocity of the root
   /// @param acceleration of the root's origin, in the world [m/s²]
-  void update(const Kinematics& kinematics, const VecX& dq, const Vec3& acceleration, const SoleContact& contact);
+  /// @param wrench on each sole, in its frame, moment about its centre: a sole that tilts pivots about its centre of
+  /// pressure
+  void update(const Kinematics& kinematics, const VecX& dq, const Vec3& acceleration, const SoleContact& contact,
+              const BySide<Wrench>& wrench);
 
   /// Moves the root and the footholds [m].
   void shift(const Vec3& by);
@@ -31,6 +34,9 @@ class LegOdometry {
   [[nodiscard]] double walked() const { return walked_; }
 
  private:
+  /// Centre of pressure of a sole in contact, in its frame, within its outline [m].
+  [[nodiscard]] Vec3 pivot(Side side, const Wrench& wrench) const;
+
   const RobotModel* robot_;
   double period_;
   JacobianRows jacobian_;
@@ -38,6 +44,7 @@ class LegOdometry {
   Vec3 place_;
   Vec3 velocity_ = Vec3::Zero();  ///< [m/s]
   BySide<Vec3> foothold_;
+  BySide<Mat3> sole_;                        ///< attitude of the soles one tick ago
   BySide<Vec3> footfall_;                    ///< latest positions in contact [m]
   BySide<bool> touched_before_{true, true};  ///< contacts one tick ago
   double walked_ = 0.0;

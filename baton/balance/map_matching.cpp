@@ -9,14 +9,16 @@ namespace {
 // Lengths are in COM heights, rates in ω, times in 1/ω.
 constexpr double kHeightRate = 0.16;    ///< at which heights follow those of the terrain
 constexpr double kAirborneTime = 0.6;   ///< time without contact after which the height is unknown
-constexpr double kMapTolerance = 0.05;  ///< a sole farther above or below the terrain stands on something unmapped
+constexpr double kMapTolerance = 0.05;  ///< a sole farther above or below the terrain stands elsewhere
+constexpr double kSameGap = 0.015;      ///< difference of the soles' heights above the terrain that count as the same
 
-// Soles tilted on a terrain edge.
+// Soles at a terrain edge.
 constexpr double kLeastTilt = 0.08;         ///< of the sole against the terrain; unmapped slopes are below this [rad]
 constexpr double kCornerInset = 0.01;       ///< overlap of sole and edge
 constexpr double kLeastEdge = 0.02;         ///< height of the lowest edge that counts
 constexpr double kHeightTolerance = 0.015;  ///< between a corner and the terrain that it stands on
 constexpr double kEdgeRange = 0.05;         ///< largest distance of the edge from the corner
+constexpr double kElsewhere = 0.15;         ///< largest distance of a level sole from terrain of its height
 constexpr double kEdgeSpeed = 0.0065;       ///< of the correction [COM height × ω]
 
 }  // namespace
@@ -36,23 +38,40 @@ Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& f
   double off = 0.0;
   double carried = 0.0;
   Vec2 moved = Vec2::Zero();
+  BySide<std::optional<double>> unmapped;  // gaps of soles without ground of their height nearby
   for (const Side side : kSides) {
     if ((!planned[side] && !height_lost_) || !contact.touch()[side]) continue;
-    const std::optional<GroundPoint> ground = world_->ground(foothold[side].head<2>());
+    const Vec3& at = foothold[side];
+    const std::optional<GroundPoint> ground = world_->ground(at.head<2>());
     if (!ground) continue;
-    if (const std::optional<Vec2> to_edge = felt_edge(side, kinematics.sole(side).R, foothold[side], *ground)) {
-      moved += bounded(*to_edge, period_ * kEdgeSpeed * omega_ * com_height_);
+    if (const std::optional<Vec2> to_edge = felt_edge(side, kinematics.sole(side).R, at, *ground)) {
+      moved += *to_edge;
       continue;  // the height of a tilted sole tells nothing
     }
-    const double gap = ground->height - foothold[side].z();
-    if (std::abs(gap) > kMapTolerance * com_height_ && !height_lost_) continue;
+    const double gap = ground->height - at.z();
+    if (std::abs(gap) > kMapTolerance * com_height_ && !height_lost_) {
+      const std::optional<Vec2> there = world_->nearest_of_height(at.head<2>(), at.z(), kHeightTolerance * com_height_);
+      const Vec2 to_there = there ? Vec2(*there - at.head<2>()) : Vec2::Zero();
+      if (there && to_there.norm() < kElsewhere * com_height_) {
+        moved += contact.load()[side] / contact.total() * to_there;
+      } else {
+        unmapped[side] = gap;
+      }
+      continue;
+    }
     off += contact.load()[side] * gap;
     carried += contact.load()[side];
+  }
+  // Both soles as far from the terrain: rather the estimate is wrong than the map.
+  if (unmapped.left && unmapped.right && std::abs(*unmapped.left - *unmapped.right) < kSameGap * com_height_) {
+    off = 0.5 * (*unmapped.left + *unmapped.right);
+    carried = 1.0;
   }
   const double rise = carried > 0.0 ? off / carried : 0.0;
   // After a robot was in the air, its height is unknown: at the next contact, it is taken from the map at once.
   const bool found = height_lost_ && carried > 0.0;
   if (found) height_lost_ = false;
+  moved = bounded(moved, period_ * kEdgeSpeed * omega_ * com_height_);
   return {moved.x(), moved.y(), found ? rise : period_ * kHeightRate * omega_ * rise};
 }
 

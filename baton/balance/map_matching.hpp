@@ -1,5 +1,6 @@
-/// Map matching: corrects the estimated position by the known terrain. Soles in contact are at its height, and a sole
-/// that is tilted on an edge is at that edge (docs/balance.md).
+/// Map matching: corrects the estimated position by the known terrain. Soles in contact are at its height, a sole that
+/// stands at another height than the terrain below is beyond an edge, and one that is tilted on an edge is at that edge
+/// (docs/balance.md).
 #pragma once
 
 #include <optional>

@@ -65,7 +65,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
   yaw_drift_.update({yaw_of(kinematics_.sole(Side::left).R), yaw_of(kinematics_.sole(Side::right).R)}, contact_,
                     planned);
   attitude_.set_yaw_error(yaw_drift_.error());
-  legs_.update(kinematics_, dq_, imu.acceleration, contact_);
+  legs_.update(kinematics_, dq_, imu.acceleration, contact_, completed_.sole);
   legs_.shift(map_.correction(kinematics_, legs_.foothold(), contact_, planned.contact));
   completed_.root = RootMeasurement{{legs_.place(), imu.R}, legs_.velocity(), imu.rate};
   return completed_;

@@ -12,6 +12,7 @@ namespace baton {
 namespace {
 
 constexpr double kFarAway = 1e3;  ///< half size of an infinite plane [m]
+constexpr double kWithin = 5e-7;  ///< from the outline of a face, where a higher one may begin, into it [m]
 
 /// Points on and inside the outline, at most `spacing` [m] apart.
 std::vector<Vec2> cover(const ConvexPolygon& outline, double spacing) {
@@ -127,7 +128,7 @@ std::optional<Vec2> World::nearest_of_height(const Vec2& at, double height, doub
     const Vec2 place = face.outline.nearest(at);
     const double there = face.height(place);
     if (std::abs(there - height) > tolerance) continue;
-    const std::optional<GroundPoint> highest = ground(place);
+    const std::optional<GroundPoint> highest = ground(face.outline.inset(kWithin).nearest(place));
     if (highest && highest->height > there + tolerance) continue;  // hidden below a higher face
     if (!nearest || (place - at).squaredNorm() < (*nearest - at).squaredNorm()) nearest = place;
   }

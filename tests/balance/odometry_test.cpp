@@ -302,13 +302,49 @@ TEST_P(OdometryTest, HeightsAreSlowlyPulledToTheGround) {
     }
     EXPECT_LT(off, 0.02 * std::abs(higher) + 1e-6 * size_);
   }
-  // So far off it stands on something that is not on the map.
+  // As far off as this, one sole may stand on something that is not on the map; both are rather the map's ground.
   for (const double higher : {0.1 * size_, -0.1 * size_}) {
-    Odometry odometry(robot_, world_, StateSource::sensors, believed(higher));
-    Vec3 error = Vec3::Zero();
-    for (int tick = 0; tick < second; ++tick)
-      error = feed(odometry, still, held).root->pose.p - home_.q.head<3>();
-    EXPECT_NEAR(error.z(), higher, 1e-6 * size_);
+    Odometry on_one(robot_, world_, StateSource::sensors, believed(higher));
+    Odometry on_both(robot_, world_, StateSource::sensors, believed(higher));
+    MotionSample one = held;
+    one.contact.right = false;
+    double off_on_one = 0.0, off_on_both = 0.0;
+    for (int tick = 0; tick < 5 * second; ++tick) {
+      off_on_one = feed(on_one, loaded(still, 1.0, 0.0), one).root->pose.p.z() - home_.q[2];
+      off_on_both = feed(on_both, still, held).root->pose.p.z() - home_.q[2];
+    }
+    EXPECT_NEAR(off_on_one, higher, 1e-6 * size_);
+    EXPECT_LT(std::abs(off_on_both), 0.02 * std::abs(higher));
+  }
+}
+
+TEST_P(OdometryTest, ASoleThatTiltsPivotsAboutItsCentreOfPressure) {
+  const Measurement still = IdealRobot(robot_, home_, period_).read();
+  MotionSample held = resting(robot_, home_);
+  held.contact.right = false;
+  const Mat3 upright = still.imu.attitude;
+  const Mat3 sole = home_.sole.left.R;
+  for (const bool fore_and_aft : {false, true}) {
+    const Vec2 corner = robot_.sole(Side::left).vertices().front().cwiseAbs();
+    const Vec3 edge = fore_and_aft ? Vec3(corner.x(), 0, 0) : Vec3(0, corner.y(), 0);
+    const Vec3 axis = sole * (fore_and_aft ? Vec3::UnitY() : Vec3(-Vec3::UnitX()));  // up at the far side
+    Odometry odometry(robot_, world_, StateSource::sensors, home_);
+    for (int tick = 0; tick < 600; ++tick) {  // from edge to edge, ten times
+      const double phase = 2.0 * M_PI * tick / 60.0;
+      const double side = std::sin(phase) < 0.0 ? -1.0 : 1.0;
+      const double tilt = 0.015 * std::pow(std::sin(phase), 2) * side;
+      const double rate = 0.015 * 2.0 * std::sin(phase) * std::cos(phase) * 2.0 * M_PI / 60.0 / period_ * side;
+      const Mat3 R = rotation_exp(tilt * axis);
+      Measurement measured = loaded(still, 1.0, 0.0);
+      measured.imu.attitude = R * upright;
+      measured.imu.rate = measured.imu.attitude.transpose() * (rate * axis);
+      measured.imu.acceleration = measured.imu.attitude.transpose() * Vec3(0, 0, kGravity);
+      const Vec3 force = (R * sole).transpose() * Vec3(0, 0, weight_);
+      measured.sole.left = {force, Vec3(side * edge).cross(force)};
+      const Vec3 pivot = home_.sole.left.p + sole * Vec3(side * edge);
+      const Vec3 truth = pivot + R * (home_.q.head<3>() - pivot);
+      ASSERT_LT((feed(odometry, measured, held).root->pose.p - truth).norm(), 2e-3 * size_) << tick;
+    }
   }
 }
 
@@ -380,6 +416,35 @@ TEST(OdometryByEdges, ASoleThatStandsOnAnEdgeTellsWhereTheRobotIs) {
     EXPECT_LT(std::abs(error.x()), 1.2e-3) << farther;
     EXPECT_NEAR(error.y(), 0.0, 1e-6);
     EXPECT_NEAR(error.z(), 0.0, 2e-4) << "the other sole tells the height";
+  }
+}
+
+TEST(OdometryByEdges, ALevelSoleIsOnGroundOfItsHeight) {
+  const RobotModel& robot = test::robot("mighty");
+  const World room = World::load("room");  // the stage ends at 0.12, 15 mm higher than the tread
+  const double period = robot.profile().tick.period;
+  for (const double beyond : {0.002, 0.006, 0.012}) {  // true place of the soles' centres on the tread
+    const Vec3 centre(0.12 + beyond, 0.0, 0.015);
+    const Posture start = stand(robot, {centre, Mat3::Identity()}, 0.26);
+    Measurement still = IdealRobot(robot, start, period).read();
+    still.root.reset();
+    for (const double behind : {0.004, 0.010, 0.018}) {
+      Posture believed = start;
+      believed.q[0] -= behind;
+      for (const Side side : kSides)
+        believed.sole[side].p.x() -= behind;
+      Odometry odometry(robot, room, StateSource::sensors, believed);
+      const MotionSample held = resting(robot, believed);
+      Vec3 error = Vec3(-behind, 0, 0);
+      for (int tick = 0; tick < 600; ++tick) {
+        const Vec3 now = odometry.update(still, held).root->pose.p - start.q.head<3>();
+        ASSERT_LT((now - error).norm(), 1e-4) << "a drift, not a jump";
+        error = now;
+      }
+      EXPECT_NEAR(error.x(), -std::min(behind, beyond), 1e-3) << behind << ", " << beyond;
+      EXPECT_NEAR(error.y(), 0.0, 1e-6);
+      EXPECT_NEAR(error.z(), 0.0, 2e-4);
+    }
   }
 }
 
