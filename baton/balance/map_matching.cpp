@@ -18,6 +18,7 @@ constexpr double kCornerInset = 0.01;       ///< overlap of sole and edge
 constexpr double kLeastEdge = 0.02;         ///< height of the lowest edge that counts
 constexpr double kHeightTolerance = 0.015;  ///< between a corner and the terrain that it stands on
 constexpr double kEdgeRange = 0.05;         ///< largest distance of the edge from the corner
+constexpr double kCornerOutset = 0.002;     ///< least distance of sole and higher ground
 constexpr double kElsewhere = 0.15;         ///< largest distance of a level sole from terrain of its height
 constexpr double kEdgeSpeed = 0.0065;       ///< of the correction [COM height × ω]
 
@@ -28,8 +29,10 @@ MapMatching::MapMatching(const RobotModel& robot, const World& world)
       com_height_(robot.profile().stance.com_height),
       omega_(robot.omega()),
       period_(robot.profile().tick.period) {
-  for (const Side side : kSides)
+  for (const Side side : kSides) {
     corners_[side] = robot.sole(side).inset(kCornerInset * com_height_).vertices();
+    outer_corners_[side] = robot.sole(side).inset(-kCornerOutset * com_height_).vertices();
+  }
 }
 
 Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& foothold, const SoleContact& contact,
@@ -49,15 +52,13 @@ Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& f
       continue;  // the height of a tilted sole tells nothing
     }
     const double gap = ground->height - at.z();
-    if (std::abs(gap) > kMapTolerance * com_height_ && !height_lost_) {
-      const std::optional<Vec2> there = world_->nearest_of_height(at.head<2>(), at.z(), kHeightTolerance * com_height_);
-      const Vec2 to_there = there ? Vec2(*there - at.head<2>()) : Vec2::Zero();
-      if (there && to_there.norm() < kElsewhere * com_height_) {
-        moved += contact.load()[side] / contact.total() * to_there;
-      } else {
-        unmapped[side] = gap;
+    if (!height_lost_) {
+      const Vec2 to_there = to_own_height(side, kinematics.sole(side).R, at, *ground);
+      moved += contact.load()[side] / contact.total() * to_there;
+      if (std::abs(gap) > kMapTolerance * com_height_) {
+        if (to_there.isZero()) unmapped[side] = gap;
+        continue;
       }
-      continue;
     }
     off += contact.load()[side] * gap;
     carried += contact.load()[side];
@@ -73,6 +74,24 @@ Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& f
   if (found) height_lost_ = false;
   moved = bounded(moved, period_ * kEdgeSpeed * omega_ * com_height_);
   return {moved.x(), moved.y(), found ? rise : period_ * kHeightRate * omega_ * rise};
+}
+
+Vec2 MapMatching::to_own_height(Side side, const Mat3& R, const Vec3& at, const GroundPoint& below) const {
+  Vec2 farthest = Vec2::Zero();
+  const auto consider = [&](const Vec2& place, double ground) {
+    const bool inside = ground - at.z() > kMapTolerance * com_height_;
+    if (!inside && (place != at.head<2>() || at.z() - ground < kMapTolerance * com_height_)) return;
+    const std::optional<Vec2> there = world_->nearest_of_height(place, at.z(), kHeightTolerance * com_height_);
+    if (!there) return;
+    const Vec2 by = *there - place;
+    if (by.norm() < kElsewhere * com_height_ && by.norm() > farthest.norm()) farthest = by;
+  };
+  consider(at.head<2>(), below.height);
+  for (const Vec2& vertex : outer_corners_[side]) {
+    const Vec2 place = (at + R * Vec3(vertex.x(), vertex.y(), 0.0)).head<2>();
+    if (const std::optional<GroundPoint> ground = world_->ground(place)) consider(place, ground->height);
+  }
+  return farthest;
 }
 
 std::optional<Vec2> MapMatching::felt_edge(Side side, const Mat3& R, const Vec3& at, const GroundPoint& below) const {
