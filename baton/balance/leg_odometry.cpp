@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kVelocityRate = 3.3;  ///< at which the velocity follows that of the soles in contact [ω]
 constexpr double kFootholdRate = 1.6;  ///< at which the foothold of a sole with no load follows the sole [ω]
+constexpr double kPivots = 0.4;  ///< load below which a tilting sole pivots about its pressure, share of the weight
 
 }  // namespace
 
@@ -62,7 +63,8 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
 }
 
 Vec3 LegOdometry::pivot(Side side, const Wrench& wrench) const {
-  if (!(wrench.force.z() > 0.0)) return Vec3::Zero();
+  const double load = wrench.force.z();
+  if (!(load > 0.0 && load < kPivots * robot_->mass() * kGravity)) return Vec3::Zero();
   const Vec2 centre = robot_->sole(side).nearest(wrench.zmp(0.0));
   return {centre.x(), centre.y(), 0.0};
 }

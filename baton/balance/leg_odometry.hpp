@@ -16,8 +16,8 @@ class LegOdometry {
   /// @param kinematics set to the configuration with the root at the origin, at its measured attitude
   /// @param dq velocity (nv), with zero linear velocity of the root
   /// @param acceleration of the root's origin, in the world [m/s²]
-  /// @param wrench on each sole, in its frame, moment about its centre: a sole that tilts pivots about its centre of
-  /// pressure
+  /// @param wrench on each sole, in its frame, moment about its centre: a lightly loaded sole that tilts pivots about
+  /// its centre of pressure, any other about its centre
   void update(const Kinematics& kinematics, const VecX& dq, const Vec3& acceleration, const SoleContact& contact,
               const BySide<Wrench>& wrench);
 
@@ -34,7 +34,7 @@ class LegOdometry {
   [[nodiscard]] double walked() const { return walked_; }
 
  private:
-  /// Centre of pressure of a sole in contact, in its frame, within its outline [m].
+  /// The point about which a sole in contact tilts, in its frame [m].
   [[nodiscard]] Vec3 pivot(Side side, const Wrench& wrench) const;
 
   const RobotModel* robot_;

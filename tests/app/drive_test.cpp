@@ -46,11 +46,11 @@ class Table {
 };
 
 TEST(Drive, AHeldStickLeadsStraightAheadThoughSolesSlide) {
-  const std::string held = R"({"t": 0.5, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})";
+  const std::string held = R"({"t": 3, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})";
   for (const std::string scenario : {"nominal", "friction"}) {
     const Scratch scratch;
     const Outcome outcome = run({"drive", "--world", "flat", "--on", "sim", "--plant", "model", "--scenario", scenario,
-                                 "--input", "script:" + scratch.write("held.jsonl", held), "--fast", "--seconds", "25",
+                                 "--input", "script:" + scratch.write("held.jsonl", held), "--fast", "--seconds", "28",
                                  "--report", scratch.path("r.json")});
     ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
     const nlohmann::json trunk = scratch.json("r.json")["final"]["trunk"];
