@@ -119,6 +119,10 @@ void add_answers(CLI::App& command, AnswerOptions& answers) {
       ->transform(number(0.0, 1.0));
 }
 
+void add_calibration(CLI::App& command, std::optional<std::filesystem::path>& file) {
+  command.add_option("--calibration", file, "Constant errors of the sensors: a .toml file by baton calibrate");
+}
+
 void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
       ->capture_default_str();
@@ -130,6 +134,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   add_modes(command, o.modes);
   add_physics(command, o.physics);
   add_answers(command, o.answers);
+  add_calibration(command, o.calibration);
   command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")
       ->transform(above_zero(kLongestRun));
   command.add_option("--seed", o.seed, "Seed of plant, scenario and answer faults; written to the report")
@@ -151,6 +156,7 @@ void add_soak(CLI::App& command, SoakOptions& o) {
   add_modes(command, o.modes);
   add_physics(command, o.physics);
   add_answers(command, o.answers);
+  add_calibration(command, o.calibration);
   command.add_option("--seeds", o.seeds, "Number of seeds of a scenario, from --seed on: one episode each")
       ->transform(whole(1, kAnyWhole));
   command.add_option("--segments", o.segments, "Run until this many segments were driven")
@@ -173,6 +179,18 @@ void add_soak(CLI::App& command, SoakOptions& o) {
                    "episodes ends in a fall (default: 20 of 30 s)");
   command.add_option("--plot", o.plot, "With --break: draw the breaking points to this .svg file");
   command.add_option("--report", o.report, "Write the result to this .json file; required without --scenario");
+}
+
+void add_calibrate(CLI::App& command, CalibrateOptions& o) {
+  command.add_option("--out", o.out, "Write the calibration to this .toml file")->required();
+  command.add_option("--robot", o.robot, "Robot")->capture_default_str();
+  command.add_option("--world", o.world, "World: its ground has to be level where the robot starts")
+      ->capture_default_str();
+  add_physics(command, o.physics);
+  command.add_option("--seed", o.seed, "Seed of plant and scenario: which robot it is")
+      ->capture_default_str()
+      ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
+  command.add_option("--report", o.report, "Write what was found, and how wrong it is, to this .json file");
 }
 
 /// @throws InputError a command lacks a required option
@@ -208,6 +226,11 @@ int parse_and_run(std::vector<std::string> args) {
   DriveOptions drive_options;
   CLI::App* drive_command = app.add_subcommand("drive", "Drive the robot with a stick, the page or a script");
   add_drive(*drive_command, drive_options);
+
+  CalibrateOptions calibrate_options;
+  CLI::App* calibrate_command =
+      app.add_subcommand("calibrate", "Find the constant errors of the sensors by shifting and stepping for a minute");
+  add_calibrate(*calibrate_command, calibrate_options);
 
   PlanOptions plan_options;
   CLI::App* plan_command = app.add_subcommand("plan", "Show what a script would do, segment by segment, as JSON");
@@ -291,6 +314,7 @@ int parse_and_run(std::vector<std::string> args) {
     throw InputError(error.what());
   }
   if (drive_command->parsed()) return drive(drive_options);
+  if (calibrate_command->parsed()) return calibrate(calibrate_options);
   if (plan_command->parsed()) return plan(plan_options);
   if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);

@@ -26,6 +26,15 @@ struct PhysicsOptions {
   double times = 1.0;                   ///< scales that
 };
 
+struct CalibrateOptions {
+  std::string robot = "mighty";
+  std::string world = "flat";
+  PhysicsOptions physics;
+  long seed = 0;
+  std::filesystem::path out;
+  std::optional<std::filesystem::path> report;
+};
+
 /// Fault injection into the planner's answers.
 struct AnswerOptions {
   double delay_ms = 0.0;  ///< largest delay [ms]
@@ -53,6 +62,7 @@ struct DriveOptions {
   bool headless = false;
   bool fast = false;
   int port = 8080;
+  std::optional<std::filesystem::path> calibration;
   FileOptions files;
 };
 
@@ -101,6 +111,7 @@ struct SoakOptions {
   ModeOptions modes;
   PhysicsOptions physics;
   AnswerOptions answers;
+  std::optional<std::filesystem::path> calibration;
   std::optional<long> segments;
   std::optional<double> hours;  ///< simulated time [h]
   long seed = 0;
@@ -118,6 +129,7 @@ struct ReplayOptions {
   bool verify = false;
 };
 
+int calibrate(const CalibrateOptions& options);
 int drive(const DriveOptions& options);
 int replay(const ReplayOptions& options);
 int plan(const PlanOptions& options);

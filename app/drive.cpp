@@ -69,10 +69,12 @@ int drive(const DriveOptions& o) {
   FaultyPlanning planning(*planner, faults_of(o.answers), period, static_cast<std::uint64_t>(o.seed));
   Simulation simulation(robot, world, on_named(o.on),
                         {.physics = parameters_of(o.physics, robot, o.on, o.seed),
-                         .session = {modes_of(o.modes), state_named(o.physics.state), &planning}});
+                         .session = {modes_of(o.modes), state_named(o.physics.state), &planning},
+                         .calibration = calibration_in(o.calibration, robot, o.on)});
   Session& session = simulation.session();
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
+  read.push_back({"--calibration", o.calibration});
   check_distinct({{"--report", o.files.report},
                   {"--trace", o.files.trace},
                   {"--save-model", o.files.save_model},

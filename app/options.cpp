@@ -61,6 +61,16 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
   return parameters;
 }
 
+std::optional<Calibration> calibration_in(const std::optional<std::filesystem::path>& file, const RobotModel& robot,
+                                          const std::string& on) {
+  if (!file) return std::nullopt;
+  if (on != "sim") {
+    throw InputError(fmt::format("--calibration {} with --on {}: must be --on sim, an ideal robot's sensors are exact",
+                                 file->string(), on));
+  }
+  return Calibration::load(*file, robot);
+}
+
 AnswerFaults faults_of(const AnswerOptions& options) {
   return {1e-3 * options.delay_ms, options.loss};
 }

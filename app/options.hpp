@@ -41,6 +41,12 @@ void check_physics(const PhysicsOptions& options, const std::string& on);
 [[nodiscard]] SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const RobotModel& robot,
                                                        const std::string& on, long seed);
 
+/// The calibration of `--calibration`, if it is given.
+/// @param on sim or ideal
+/// @throws InputError bad file, or a robot that is ideal
+[[nodiscard]] std::optional<Calibration> calibration_in(const std::optional<std::filesystem::path>& file,
+                                                        const RobotModel& robot, const std::string& on);
+
 /// Answer faults from options.
 [[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options);
 

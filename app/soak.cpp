@@ -38,6 +38,7 @@ class SoakReport {
                {"seed", o.seed},
                {"state", o.physics.state},
                {"plant", plant_name(o.physics, o.on)},
+               {"calibration", o.calibration ? Json(o.calibration->string()) : Json()},
                {"drive", std::string(to_string(robot.profile().drive))},
                {"answer_delay_ms", o.answers.delay_ms},
                {"answer_loss", o.answers.loss},
@@ -131,6 +132,7 @@ void write_replay(const SoakOptions& o, const Episodes& episodes, const EpisodeR
   if (o.on == "sim") physics += fmt::format(" --plant {}", plant_name(o.physics, o.on));
   if (o.physics.drive) physics += fmt::format(" --drive {}", *o.physics.drive);
   if (o.physics.scenario) physics += fmt::format(" --scenario {} --times {}", *o.physics.scenario, o.physics.times);
+  if (o.calibration) physics += fmt::format(" --calibration {}", o.calibration->string());
   if (o.answers.delay_ms > 0.0) physics += fmt::format(" --answer-delay {}", o.answers.delay_ms);
   if (o.answers.loss > 0.0) physics += fmt::format(" --answer-loss {}", o.answers.loss);
   if (o.physics.scenario || is_real(o.physics, o.on) || faults_of(o.answers).any())
@@ -159,8 +161,11 @@ int soak(const SoakOptions& o) {
   trial.seconds = o.episode.value_or(trial.seconds);
   trial.answers = faults_of(o.answers);
   trial.real = is_real(o.physics, o.on);
+  trial.calibration = calibration_in(o.calibration, robot, o.on);
   const Episodes episodes(robot, world, trial);
-  check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
+  std::vector<NamedFile> read = files_read(o.robot, robot, world);
+  read.push_back({"--calibration", o.calibration});
+  check_distinct({{"--report", o.report}}, read);
   SoakReport report(o, robot, world);
   if (o.resume) report.resume();
   const Tally& tally = report.tally;

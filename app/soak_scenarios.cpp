@@ -113,8 +113,9 @@ class Rows {
     options_.physics.scenario = std::string(scenario.name);
     options_.physics.times = times;
     const RobotModel robot = robot_in(options_.physics, options_.robot);
-    check_distinct({{"--report", options_.report}, {"--plot", options_.plot}},
-                   files_read(options_.robot, robot, *world_));
+    std::vector<NamedFile> read = files_read(options_.robot, robot, *world_);
+    read.push_back({"--calibration", options_.calibration});
+    check_distinct({{"--report", options_.report}, {"--plot", options_.plot}}, read);
     Trial trial;
     trial.on = Simulation::On::sim;
     trial.modes = modes_of(options_.modes);
@@ -125,6 +126,7 @@ class Rows {
     trial.scenario = &scenario;
     trial.times = times;
     trial.answers = faults_of(options_.answers);
+    trial.calibration = calibration_in(options_.calibration, robot, "sim");
     const Episodes episodes(robot, *world_, trial);
     const double period = robot.profile().tick.period;
     Row row;

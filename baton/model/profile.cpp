@@ -2,142 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <cmath>
 #include <numbers>
-#include <set>
-#include <sstream>
 
 #include "baton/model/error.hpp"
-#include "baton/model/input_file.hpp"
+#include "baton/model/toml_reader.hpp"
 
 namespace baton {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Reads the keys of a profile. Errors name file, key, value and what is expected.
-class Reader {
- public:
-  Reader(const toml::table& table, std::string file) : table_(table), file_(std::move(file)) {}
-
-  [[nodiscard]] std::string text(const std::string& key) const {
-    const auto value = at(key).value<std::string>();
-    if (!value || value->empty()) complain(key, "a non-empty string");
-    return *value;
-  }
-
-  [[nodiscard]] double number(const std::string& key, double lo, double hi) const {
-    return checked(key, at(key), lo, hi);
-  }
-
-  [[nodiscard]] double positive(const std::string& key, double hi) const {
-    const double value = number(key, 0.0, hi);
-    if (value == 0.0) complain(key, "more than 0");
-    return value;
-  }
-
-  template <std::size_t N>
-  [[nodiscard]] std::array<double, N> numbers(const std::string& key, double lo, double hi) const {
-    const toml::node_view<const toml::node> node = at(key);
-    const toml::array* array = node.as_array();
-    if (array == nullptr || array->size() != N) complain(key, fmt::format("an array of {} numbers", N));
-    std::array<double, N> values{};
-    for (std::size_t i = 0; i < N; ++i)
-      values[i] = checked(key, node[i], lo, hi);
-    return values;
-  }
-
-  [[nodiscard]] double number_or(const std::string& key, double lo, double hi, double missing) const {
-    return at(key) ? number(key, lo, hi) : missing;
-  }
-
-  [[nodiscard]] bool flag_or(const std::string& key, bool missing) const {
-    const auto node = at(key);
-    if (!node) return missing;
-    if (!node.is_boolean()) complain(key, "true or false");
-    return *node.value<bool>();
-  }
-
-  [[nodiscard]] Range range(const std::string& key, double lo, double hi) const {
-    const auto [a, b] = numbers<2>(key, lo, hi);
-    if (!(a < b)) complain(key, "[lowest, highest] with lowest < highest");
-    return {a, b};
-  }
-
-  [[nodiscard]] std::map<std::string, double> table(const std::string& key, double lo, double hi) const {
-    const toml::table* entries = at(key).as_table();
-    if (entries == nullptr) complain(key, "a table of numbers");
-    std::map<std::string, double> values;
-    for (const auto& [name, node] : *entries) {
-      const std::string joint(name.str());
-      values[joint] = number(key + "." + joint, lo, hi);
-    }
-    return values;
-  }
-
-  [[nodiscard]] toml::node_view<const toml::node> at(const std::string& key) const {
-    asked_.insert(key);
-    return table_.at_path(key);
-  }
-
-  /// Call it after all keys were read.
-  void complain_of_unknown_keys() const { complain_of_unknown_keys(table_, ""); }
-
-  [[noreturn]] void complain(const std::string& key, const std::string& wanted) const {
-    const auto node = table_.at_path(key);
-    std::ostringstream value;
-    if (node) {
-      node.visit([&value](const auto& n) {
-        if constexpr (requires { value << n; }) value << n;
-      });
-    }
-    std::string shown;  // on one line
-    for (const char c : value.str()) {
-      const bool indent = c == ' ' && (shown.ends_with(' ') || shown.ends_with('['));
-      if (c != '\n' && !indent) shown += c;
-    }
-    throw InputError(node ? fmt::format("profile {}: {} = {}: must be {}", file_, key, shown, wanted)
-                          : fmt::format("profile {}: {} is missing: must be {}", file_, key, wanted));
-  }
-
- private:
-  void complain_of_unknown_keys(const toml::node& node, const std::string& key) const {
-    const toml::array* array = node.as_array();
-    if (const toml::table* entries = node.as_table()) {
-      for (const auto& [name, entry] : *entries) {
-        const std::string prefix = key.empty() ? "" : key + ".";
-        complain_of_unknown_keys(entry, prefix + std::string(name.str()));
-      }
-    } else if (array != nullptr && array->is_array_of_tables()) {
-      for (std::size_t i = 0; i < array->size(); ++i) {
-        complain_of_unknown_keys((*array)[i], fmt::format("{}[{}]", key, i));
-      }
-    } else if (!asked_.contains(key)) {
-      throw InputError(fmt::format("profile {}: {}: a profile has no such key", file_, key));
-    }
-  }
-
-  [[nodiscard]] double checked(const std::string& key, toml::node_view<const toml::node> node, double lo,
-                               double hi) const {
-    const auto value = node.value<double>();
-    if (!value || !std::isfinite(*value) || *value < lo || *value > hi) {
-      complain(key, fmt::format("a number from {} to {}", lo, hi));
-    }
-    return *value;
-  }
-
-  const toml::table& table_;
-  std::string file_;
-  mutable std::set<std::string> asked_;  ///< keys looked up so far
-};
-
-std::array<std::string, 2> sided(const Reader& read, const std::string& part) {
+std::array<std::string, 2> sided(const TomlReader& read, const std::string& part) {
   return {read.text("parts.left_" + part), read.text("parts.right_" + part)};
 }
 
 template <std::size_t N>
-std::array<double, N> shares(const Reader& read, const std::string& key) {
+std::array<double, N> shares(const TomlReader& read, const std::string& key) {
   const auto values = read.numbers<N>(key, 0.01, 1.0);
   double sum = 0.0;
   for (const double value : values)
@@ -147,7 +28,7 @@ std::array<double, N> shares(const Reader& read, const std::string& key) {
 }
 
 /// Thermal constants of a kind of motor; the table `key` is optional, its keys are not.
-Thermal thermal(const Reader& read, const std::string& key) {
+Thermal thermal(const TomlReader& read, const std::string& key) {
   Thermal t;
   t.continuous = read.positive(key + ".continuous", 1);
   t.winding = read.number(key + ".winding", 0.01, 1);
@@ -158,7 +39,7 @@ Thermal thermal(const Reader& read, const std::string& key) {
 }
 
 /// Gains and thermal constants of the joints, by the kind of their servo.
-void read_servos(const Reader& read, Profile& profile) {
+void read_servos(const TomlReader& read, Profile& profile) {
   const toml::array* rows = read.at("drive.gains").as_array();
   if (rows == nullptr) read.complain("drive.gains", "a list of tables {kp, kd, joints}");
   for (std::size_t i = 0; i < rows->size(); ++i) {
@@ -175,7 +56,7 @@ void read_servos(const Reader& read, Profile& profile) {
 }
 
 /// Errors of the sensors; what is missing is moderate.
-SensorErrors sensor_errors(const Reader& read) {
+SensorErrors sensor_errors(const TomlReader& read) {
   SensorErrors e;
   e.delay = read.number_or("sensors.delay", 0, 0.1, 0.005);
   e.jitter = read.number_or("sensors.jitter", 0, 0.1, 0.001);
@@ -195,7 +76,7 @@ SensorErrors sensor_errors(const Reader& read) {
 }
 
 /// Errors of the actuators; what is missing is moderate.
-ActuatorErrors actuator_errors(const Reader& read) {
+ActuatorErrors actuator_errors(const TomlReader& read) {
   ActuatorErrors e;
   e.delay = read.number_or("actuators.delay", 0, 0.1, 0.0);
   e.held_targets = read.flag_or("actuators.held_targets", true);
@@ -217,14 +98,8 @@ Drive drive_named(const std::string& name, const std::string& owner) {
 }
 
 Profile Profile::load(const std::filesystem::path& file) {
-  toml::table table;
-  try {
-    table = toml::parse(read_input(file, "profile"), file.string());
-  } catch (const toml::parse_error& error) {
-    throw InputError(
-        fmt::format("profile {}: line {}: {}", file.string(), error.source().begin.line, error.description()));
-  }
-  const Reader read(table, file.string());
+  const toml::table table = parse_toml(file, "profile");
+  const TomlReader read(table, "profile", file);
   Profile p;
   p.name = read.text("name");
   p.model = std::filesystem::absolute(file).parent_path() / read.text("model");

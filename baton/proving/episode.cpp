@@ -32,6 +32,7 @@ Simulation::Parameters parameters_of(const Trial& trial, const RobotModel& robot
   Simulation::Parameters parameters;
   parameters.physics.plant = plant_of(trial.real, trial.scenario, robot, seed_of(trial, index), trial.times);
   parameters.session = {trial.modes, trial.state, &planning};
+  parameters.calibration = trial.calibration;
   return parameters;
 }
 

@@ -24,6 +24,7 @@ struct Trial {
   const Scenario* scenario = nullptr;  ///< in physics, on top of the plant; no retracing then, and only falls count
   double times = 1.0;                  ///< how many times as large the scenario is
   AnswerFaults answers{};              ///< fault injection, seeded per episode
+  std::optional<Calibration> calibration{};  ///< what is known of the robot's sensors, the same in all episodes
 };
 
 struct EpisodeResult {

@@ -36,17 +36,6 @@ void move(Element& element, const Pose& by) {
   std::copy(quat.begin(), quat.end(), element.quat);
 }
 
-/// Index of the leg's first joint about a forward axis.
-int abduction(const RobotModel& robot, Side side) {
-  Kinematics kinematics(robot);
-  kinematics.set(Eigen::Map<const VecX>(robot.mj().qpos0, robot.nq()));
-  for (const int j : robot.leg(side)) {
-    if (std::abs(kinematics.dof_axis(6 + j).direction.x()) > M_SQRT1_2) return j;
-  }
-  throw InputError(
-      fmt::format("robot {}: the {} leg has no joint for abduction", robot.profile().name, to_string(side)));
-}
-
 void add_tiles(mjsBody& world, const Plant& plant, const Vec3& at) {
   mjsElement* only = mjs_firstChild(&world, mjOBJ_GEOM, 0);
   mjsGeom* plane = only == nullptr ? nullptr : mjs_asGeom(only);
@@ -151,6 +140,16 @@ void perturb(mjModel& m, const Plant& plant, const RobotModel& robot) {
 }
 
 }  // namespace
+
+int abduction(const RobotModel& robot, Side side) {
+  Kinematics kinematics(robot);
+  kinematics.set(Eigen::Map<const VecX>(robot.mj().qpos0, robot.nq()));
+  for (const int j : robot.leg(side)) {
+    if (std::abs(kinematics.dof_axis(6 + j).direction.x()) > M_SQRT1_2) return j;
+  }
+  throw InputError(
+      fmt::format("robot {}: the {} leg has no joint for abduction", robot.profile().name, to_string(side)));
+}
 
 Vec3 Plant::force(double t) const {
   Vec3 sum = Vec3::Zero();

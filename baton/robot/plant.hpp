@@ -39,6 +39,10 @@ struct Plant {
   [[nodiscard]] Vec3 force(double t) const;
 };
 
+/// Index of the leg's first joint about a forward axis, its abduction.
+/// @throws InputError the leg has none
+[[nodiscard]] int abduction(const RobotModel& robot, Side side);
+
 /// The plant `real`: the errors of sensors and actuators that the profile states.
 /// @param seed draws the constant ones
 [[nodiscard]] Plant real_plant(const RobotModel& robot, std::uint64_t seed);

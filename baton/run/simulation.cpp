@@ -1,6 +1,7 @@
 #include "baton/run/simulation.hpp"
 
 #include "baton/ik/stand.hpp"
+#include "baton/robot/calibrated_robot.hpp"
 #include "baton/robot/ideal_robot.hpp"
 
 namespace baton {
@@ -18,6 +19,7 @@ Simulation::Simulation(const RobotModel& model, const World& world, On on, const
     model_text_ = world.compose(model, parameters.physics.timestep);
     robot_ = std::make_unique<IdealRobot>(model, start, period);
   }
+  if (parameters.calibration) robot_ = std::make_unique<CalibratedRobot>(std::move(robot_), *parameters.calibration);
   session_.emplace(model, world, *robot_, start, parameters.session);
 }
 

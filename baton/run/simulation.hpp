@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "baton/robot/calibration.hpp"
 #include "baton/robot/simulated_robot.hpp"
 #include "baton/run/session.hpp"
 
@@ -19,6 +20,7 @@ class Simulation {
     std::optional<Posture> start{};        ///< in the world frame; default: standing at the world's site `start`
     SimulatedRobot::Parameters physics{};  ///< for `sim`
     Session::Parameters session{};
+    std::optional<Calibration> calibration{};  ///< what is known of the sensors' errors
   };
 
   /// `model` and `world` must outlive this object.
