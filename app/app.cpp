@@ -187,7 +187,7 @@ void add_calibrate(CLI::App& command, CalibrateOptions& o) {
   command.add_option("--world", o.world, "World: its ground has to be level where the robot starts")
       ->capture_default_str();
   add_physics(command, o.physics);
-  command.add_option("--seed", o.seed, "Seed of plant and scenario: which robot it is")
+  command.add_option("--seed", o.seed, "Seed of plant and scenario: the robot that drive and soak have with the same")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_option("--report", o.report, "Write what was found, and how wrong it is, to this .json file");

@@ -19,6 +19,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kDegree = M_PI / 180.0;
+constexpr double kMostMisfit = 2.0;  ///< beyond it the readings contradict what the estimate assumes
 
 /// The constant errors that the simulator has drawn: only to judge the result.
 Calibration true_errors(const Plant& plant, const RobotModel& robot, double period) {
@@ -112,7 +113,7 @@ void print(const RobotModel& robot, const Estimate& e) {
   fmt::print("beside them\n");
   print_row("play of the joints", e.play / kDegree, e.play_sigma / kDegree, 1.0, "deg to each side");
   print_row("yield of the hips", e.yield, e.yield_sigma, 1.0, "rad per weight x COM height");
-  fmt::print("  {:26} {:9.4f} of what is assumed; above 2 something else is wrong\n", "misfit", e.misfit);
+  fmt::print("  {:26} {:9.4f} of what is assumed, at most {}\n", "misfit", e.misfit, kMostMisfit);
 }
 
 }  // namespace
@@ -153,6 +154,13 @@ int calibrate(const CalibrateOptions& o) {
   }
 
   const Estimate found = estimate(robot, posing.rests());
+  if (found.misfit > kMostMisfit) {
+    fmt::print(
+        "the readings contradict each other, {:.1f} times as much as expected: is the ground level, do soles slide, is "
+        "there more play than actuators.backlash of the profile says? no calibration\n",
+        found.misfit);
+    return kFailed;
+  }
   out.write(text_of(found.calibration, found.sigma, found.prior, robot));
   fmt::print("{:.1f} s, {} rests; ± is the standard deviation; what is hardly told is taken for smaller than it is\n",
              session.t(), posing.rests().size());

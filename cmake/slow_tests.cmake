@@ -3,6 +3,8 @@
 # minute or more on two cores, the suite belongs here.
 set(slow_suites
     AllocationTest
+    Calibrate
+    CalibrateTest
     EdgesElsewhere
     Episode
     FallTest

@@ -81,6 +81,14 @@ TEST(Calibrate, ACalibratedRobotDrivesAndItsRecordingReplays) {
   EXPECT_EQ(soak.code, app::kDone) << soak.out << soak.err;
 }
 
+TEST(Calibrate, WritesNothingIfTheReadingsContradictEachOther) {
+  const Scratch scratch;  // three times the play that the profile states
+  const Outcome outcome = run({"calibrate", "--out", scratch.path("c.toml"), "--scenario", "backlash"});
+  EXPECT_EQ(outcome.code, app::kFailed);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("contradict"), HasSubstr("no calibration")));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path("c.toml")));
+}
+
 TEST(Calibrate, SaysWhatIsWrongInOneLine) {
   const Scratch scratch;
   const std::string bad = scratch.write("bad.toml", "robot = \"somebody\"\n");
