@@ -59,8 +59,7 @@ struct Remaining {
 };
 
 std::vector<Remaining> judged(const RobotModel& robot, const Calibration& truth, const Calibration& found) {
-  std::vector<int> legs = robot.leg(Side::left);
-  legs.insert(legs.end(), robot.leg(Side::right).begin(), robot.leg(Side::right).end());
+  const std::vector<int> legs = leg_joints(robot);
   const auto list = [&](const Calibration& c) {
     std::vector<VecX> kinds(4);
     kinds[0] = c.encoder_zero(legs) / kDegree;
@@ -90,11 +89,9 @@ void print_row(const std::string& what, double value, double sigma, double prior
 
 void print(const RobotModel& robot, const Estimate& e) {
   fmt::print("encoder zeros\n");
-  for (const Side side : kSides) {
-    for (const int j : robot.leg(side)) {
-      print_row(robot.joints()[static_cast<std::size_t>(j)].name, e.calibration.encoder_zero[j] / kDegree,
-                e.sigma.encoder_zero[j] / kDegree, e.prior.encoder_zero[j] / kDegree, "deg");
-    }
+  for (const int j : leg_joints(robot)) {
+    print_row(robot.joints()[static_cast<std::size_t>(j)].name, e.calibration.encoder_zero[j] / kDegree,
+              e.sigma.encoder_zero[j] / kDegree, e.prior.encoder_zero[j] / kDegree, "deg");
   }
   fmt::print("  joints of no leg: standing does not tell, 0\nIMU mount\n");
   for (const int i : {0, 1}) {

@@ -56,6 +56,7 @@ class Problem {
         q_(VecX::Zero(robot.nq())),
         height_(robot.profile().stance.com_height),
         weight_(robot.mass() * kGravity),
+        joints_(leg_joints(robot)),
         hips_{abduction(robot, Side::left), abduction(robot, Side::right)} {
     q_[3] = 1.0;
     int stances = 0;
@@ -77,10 +78,8 @@ class Problem {
   void each(Unknowns& x, const Visit& visit) const {
     const SensorErrors& sensors = robot_->profile().sensors;
     const ActuatorErrors& actuators = robot_->profile().actuators;
-    for (const Side side : kSides) {
-      for (const int j : robot_->leg(side))
-        visit(x.errors.encoder_zero[j], even(sensors.encoder_offset));
-    }
+    for (const int j : joints_)
+      visit(x.errors.encoder_zero[j], even(sensors.encoder_offset));
     for (double& tilt : x.errors.imu_mount)
       visit(tilt, std::max(sensors.imu_mount, kLeastBound) * M_SQRT1_2);  // in a random direction
     for (const Side side : kSides) {
@@ -198,13 +197,11 @@ class Problem {
       return geometry(other, none_, vertical);
     };
     const VecX in_play = side_in_play(rest);
-    for (const Side side : kSides) {
-      for (const int j : robot_->leg(side)) {
-        const VecX by = (moved(j, angle) - moved(j, -angle)) / (2.0 * angle);
-        const double play = robot_->profile().actuators.backlash;
-        const double unsure = play * play * (1.0 - in_play[j] * in_play[j]);
-        covariance += (kEncoder * kEncoder + unsure) * by * by.transpose();
-      }
+    const double play = robot_->profile().actuators.backlash;
+    for (const int j : joints_) {
+      const VecX by = (moved(j, angle) - moved(j, -angle)) / (2.0 * angle);
+      const double unsure = play * play * (1.0 - in_play[j] * in_play[j]);
+      covariance += (kEncoder * kEncoder + unsure) * by * by.transpose();
     }
     return covariance.llt().matrixL().solve(MatX::Identity(covariance.rows(), covariance.rows()));
   }
@@ -241,8 +238,9 @@ class Problem {
   std::span<const Rest> rests_;
   Kinematics kinematics_;
   VecX q_;
-  double height_;  ///< [m]
-  double weight_;  ///< [N]
+  double height_;            ///< [m]
+  double weight_;            ///< [N]
+  std::vector<int> joints_;  ///< of the legs
   std::array<int, 2> hips_;
   Unknowns none_;
   std::vector<Vec3> seen_;       ///< where the right sole stands by the encoders, for each stance
@@ -250,6 +248,14 @@ class Problem {
 };
 
 }  // namespace
+
+std::vector<int> leg_joints(const RobotModel& robot) {
+  std::vector<int> joints = robot.leg(Side::left);
+  for (const int j : robot.leg(Side::right)) {
+    if (std::find(joints.begin(), joints.end(), j) == joints.end()) joints.push_back(j);  // a waist moves both
+  }
+  return joints;
+}
 
 Estimate estimate(const RobotModel& robot, std::span<const Rest> rests) {
   const std::string& name = robot.profile().name;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "baton/calibrate/rest.hpp"
 #include "baton/robot/calibration.hpp"
@@ -18,6 +19,9 @@ struct Estimate {
   double yield_sigma = 0.0;  ///< [rad per weight × COM height]
   double misfit = 0.0;  ///< rms of the residuals in their standard deviations: at most about 1 if all is as assumed
 };
+
+/// Joints of both legs, whose zeros are estimated: indices into `RobotModel::joints()`, each once.
+[[nodiscard]] std::vector<int> leg_joints(const RobotModel& robot);
 
 /// Maximum a posteriori, by the method of Gauss and Newton (docs/calibration.md). The prior is what the profile says of
 /// sensors and actuators.

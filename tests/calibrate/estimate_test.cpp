@@ -35,12 +35,6 @@ const std::vector<Rest>& exact_rests(const std::string& name) {
 
 class CalibrateTest : public testing::TestWithParam<std::string> {
  protected:
-  [[nodiscard]] std::vector<int> legs() const {
-    std::vector<int> all = robot_.leg(Side::left);
-    all.insert(all.end(), robot_.leg(Side::right).begin(), robot_.leg(Side::right).end());
-    return all;
-  }
-
   /// A robot with errors as its profile states them, in the postures of the exact one.
   struct Drawn {
     Calibration errors;
@@ -60,7 +54,7 @@ class CalibrateTest : public testing::TestWithParam<std::string> {
             .play = robot_.profile().actuators.backlash * std::abs(even(1.0)),
             .yield = robot_.profile().actuators.hip_compliance * std::abs(even(1.0)),
             .rests = rests_};
-    for (const int j : legs())
+    for (const int j : legs_)
       d.errors.encoder_zero[j] = even(s.encoder_offset);
     const double way = even(M_PI);
     d.errors.imu_mount = s.imu_mount * Vec2(std::cos(way), std::sin(way));
@@ -95,6 +89,7 @@ class CalibrateTest : public testing::TestWithParam<std::string> {
 
   const RobotModel& robot_ = test::robot(GetParam());
   const int joints_ = robot_.nv() - 6;
+  const std::vector<int> legs_ = leg_joints(robot_);
   const std::vector<Rest>& rests_ = exact_rests(GetParam());
 };
 
@@ -135,7 +130,7 @@ TEST_P(CalibrateTest, FindsWhatStandingTellsAndKnowsHowWell) {
   for (unsigned seed = 0; seed < kCases; ++seed) {
     const Drawn d = drawn(seed);
     const Estimate found = estimate(robot_, d.rests);
-    for (const int j : legs()) {
+    for (const int j : legs_) {
       const double off = found.calibration.encoder_zero[j] - d.errors.encoder_zero[j];
       before += std::pow(d.errors.encoder_zero[j], 2);
       after += off * off;
@@ -173,9 +168,8 @@ TEST_P(CalibrateTest, DoesNotDependOnTheOrderOfRests) {
 
 TEST_P(CalibrateTest, LeavesAloneWhatStandingDoesNotTell) {
   const Estimate found = estimate(robot_, drawn(101).rests);
-  const std::vector<int> legs = this->legs();
   for (int j = 0; j < joints_; ++j) {
-    if (std::find(legs.begin(), legs.end(), j) != legs.end()) continue;
+    if (std::find(legs_.begin(), legs_.end(), j) != legs_.end()) continue;
     EXPECT_EQ(found.calibration.encoder_zero[j], 0.0);
     EXPECT_EQ(found.sigma.encoder_zero[j], found.prior.encoder_zero[j]);
   }
