@@ -452,6 +452,27 @@ TEST(OdometryByEdges, ALevelSoleHasNoCornerInsideHigherGround) {
   }
 }
 
+TEST(OdometryByEdges, ALevelSoleIsNotBeyondTheEdgeOfItsGround) {
+  const RobotModel& robot = test::robot("mighty");
+  const World room = World::load("room");  // the stage ends at 0.12, 15 mm higher than the tread
+  const Posture start = stand(robot, {Vec3(0.11, 0.0, 0.03), Mat3::Identity()}, 0.26);  // centres 10 mm before it
+  Measurement still = IdealRobot(robot, start, robot.profile().tick.period).read();
+  still.root.reset();
+  for (const double ahead : {0.004, 0.014, 0.03}) {
+    Posture believed = start;
+    believed.q[0] += ahead;
+    for (const Side side : kSides)
+      believed.sole[side].p.x() += ahead;
+    Odometry odometry(robot, room, StateSource::sensors, believed);
+    const MotionSample held = resting(robot, believed);
+    Vec3 error = Vec3::Zero();
+    for (int tick = 0; tick < 600; ++tick)
+      error = odometry.update(still, held).root->pose.p - start.q.head<3>();
+    EXPECT_NEAR(error.x(), std::min(ahead, 0.01), 1e-3) << ahead;
+    EXPECT_NEAR(error.z(), 0.0, 2e-4);
+  }
+}
+
 TEST_P(OdometryTest, InPhysicsItStraysLittleAndItsDcmIsSmooth) {
   Simulation simulation(robot_, world_, Simulation::On::sim);
   Session& session = simulation.session();
