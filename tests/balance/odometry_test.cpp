@@ -369,6 +369,14 @@ TEST_P(OdometryTest, PutDownAfterItWasLiftedItStandsOnTheGroundAgain) {
   }
 }
 
+/// The same posture, `by` [m] farther along x.
+Posture moved_ahead(Posture posture, double by) {
+  posture.q[0] += by;
+  for (const Side side : kSides)
+    posture.sole[side].p.x() += by;
+  return posture;
+}
+
 TEST(OdometryByEdges, ASoleThatStandsOnAnEdgeTellsWhereTheRobotIs) {
   const RobotModel& robot = test::robot("mighty");
   const World room = World::load("room");  // the stage ends at 0.12, 15 mm higher than the tread
@@ -401,10 +409,7 @@ TEST(OdometryByEdges, ASoleThatStandsOnAnEdgeTellsWhereTheRobotIs) {
     return measured;
   }();
   for (const double farther : {0.0, 0.002, 0.004, 0.006, 0.008}) {
-    Posture believed = start;
-    believed.q[0] += farther;
-    for (const Side side : kSides)
-      believed.sole[side].p.x() += farther;
+    const Posture believed = moved_ahead(start, farther);
     Odometry odometry(robot, room, StateSource::sensors, believed);
     const MotionSample held = resting(robot, believed);
     Vec3 error = Vec3::Zero();
@@ -433,10 +438,7 @@ TEST(OdometryByEdges, ALevelSoleHasNoCornerInsideHigherGround) {
     Measurement still = IdealRobot(robot, start, period).read();
     still.root.reset();
     for (const double behind : {0.001, 0.010, 0.018, 0.030}) {
-      Posture believed = start;
-      believed.q[0] -= behind;
-      for (const Side side : kSides)
-        believed.sole[side].p.x() -= behind;
+      const Posture believed = moved_ahead(start, -behind);
       Odometry odometry(robot, room, StateSource::sensors, believed);
       const MotionSample held = resting(robot, believed);
       Vec3 error = Vec3(-behind, 0, 0);
@@ -459,10 +461,7 @@ TEST(OdometryByEdges, ALevelSoleIsNotBeyondTheEdgeOfItsGround) {
   Measurement still = IdealRobot(robot, start, robot.profile().tick.period).read();
   still.root.reset();
   for (const double ahead : {0.004, 0.014, 0.03}) {
-    Posture believed = start;
-    believed.q[0] += ahead;
-    for (const Side side : kSides)
-      believed.sole[side].p.x() += ahead;
+    const Posture believed = moved_ahead(start, ahead);
     Odometry odometry(robot, room, StateSource::sensors, believed);
     const MotionSample held = resting(robot, believed);
     Vec3 error = Vec3::Zero();
