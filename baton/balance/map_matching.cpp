@@ -77,19 +77,19 @@ Vec3 MapMatching::correction(const Kinematics& kinematics, const BySide<Vec3>& f
 }
 
 Vec2 MapMatching::to_own_height(Side side, const Mat3& R, const Vec3& at, const GroundPoint& below) const {
+  const double tolerance = kMapTolerance * com_height_;
   Vec2 farthest = Vec2::Zero();
-  const auto consider = [&](const Vec2& place, double ground) {
-    const bool inside = ground - at.z() > kMapTolerance * com_height_;
-    if (!inside && (place != at.head<2>() || at.z() - ground < kMapTolerance * com_height_)) return;
+  const auto consider = [&](const Vec2& place) {
     const std::optional<Vec2> there = world_->nearest_of_height(place, at.z(), kHeightTolerance * com_height_);
     if (!there) return;
     const Vec2 by = *there - place;
     if (by.norm() < kElsewhere * com_height_ && by.norm() > farthest.norm()) farthest = by;
   };
-  consider(at.head<2>(), below.height);
+  if (std::abs(below.height - at.z()) > tolerance) consider(at.head<2>());
   for (const Vec2& vertex : outer_corners_[side]) {
     const Vec2 place = (at + R * Vec3(vertex.x(), vertex.y(), 0.0)).head<2>();
-    if (const std::optional<GroundPoint> ground = world_->ground(place)) consider(place, ground->height);
+    const std::optional<GroundPoint> ground = world_->ground(place);
+    if (ground && ground->height - at.z() > tolerance) consider(place);
   }
   return farthest;
 }
