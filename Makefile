@@ -2,6 +2,7 @@
 BUILD := build/release
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
+FUZZ_TARGETS := script profile page recording motion
 ARGS ?=
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
@@ -79,15 +80,13 @@ fuzz: setup-dev ## fuzz the readers of files and messages (FUZZ_SECONDS=60 each;
 	$(call forget,build/fuzz)
 	cmake --preset fuzz
 	cmake --build --preset fuzz
-	@for target in script profile page recording motion; do \
-	  mkdir -p build/fuzz/corpus/$$target; \
-	  echo "fuzzing $$target for $(FUZZ_SECONDS) s"; \
-	  build/fuzz/fuzz_$$target -seed=1 -timeout=10 -rss_limit_mb=2048 -max_total_time=$(FUZZ_SECONDS) \
-	    -print_final_stats=1 -artifact_prefix=build/fuzz/found-$$target- \
-	    build/fuzz/corpus/$$target tests/fuzz/corpus/$$target >build/fuzz/$$target.log 2>&1 || \
-	    { tail -n 60 build/fuzz/$$target.log; exit 1; }; \
-	  grep executed_units build/fuzz/$$target.log; \
-	done
+	@mkdir -p $(FUZZ_TARGETS:%=build/fuzz/corpus/%)
+	@echo "fuzzing $(FUZZ_TARGETS), each for $(FUZZ_SECONDS) s"
+	@printf '%s\n' $(FUZZ_TARGETS) | xargs -P $(JOBS) -I TARGET sh -c 'build/fuzz/fuzz_TARGET -seed=1 -timeout=10 \
+	  -rss_limit_mb=2048 -max_total_time=$(FUZZ_SECONDS) -print_final_stats=1 -artifact_prefix=build/fuzz/found-TARGET- \
+	  build/fuzz/corpus/TARGET tests/fuzz/corpus/TARGET >build/fuzz/TARGET.log 2>&1 || \
+	  { tail -n 60 build/fuzz/TARGET.log; exit 1; }; \
+	  echo "TARGET: $$(sed -n "s/^stat::number_of_executed_units: *//p" build/fuzz/TARGET.log) inputs"'
 
 ci-clang: setup-dev ## build with clang, warnings as errors
 	$(call forget,build/clang)

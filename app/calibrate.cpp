@@ -87,7 +87,7 @@ void print_row(const std::string& what, double value, double sigma, double prior
              hardly_told(sigma, prior) ? "  hardly told" : "");
 }
 
-void print(const RobotModel& robot, const Estimate& e) {
+void print_estimate(const RobotModel& robot, const Estimate& e) {
   fmt::print("encoder zeros\n");
   for (const int j : leg_joints(robot)) {
     print_row(robot.joints()[static_cast<std::size_t>(j)].name, e.calibration.encoder_zero[j] / kDegree,
@@ -161,7 +161,7 @@ int calibrate(const CalibrateOptions& o) {
   out.write(text_of(found.calibration, found.sigma, found.prior, robot));
   fmt::print("{:.1f} s, {} rests; ± is the standard deviation; what is hardly told is taken for smaller than it is\n",
              session.t(), posing.rests().size());
-  print(robot, found);
+  print_estimate(robot, found);
   fmt::print("for evaluation only, by the simulator's truth: rms of the errors, without and with the calibration\n");
   Json json = {{"robot", robot.profile().name},
                {"seed", o.seed},

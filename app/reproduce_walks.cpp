@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 
 constexpr double kBefore = 1.0;          ///< initial rest [s]
 constexpr double kWalkTime = 55.0;       ///< time the stick is held [s]
-constexpr double kAfter = 4.0;           ///< time to come to rest [s]
+constexpr double kComeToRest = 4.0;      ///< time to come to rest [s]
 constexpr double kReplanInterval = 0.7;  ///< interval between changes of the command [s]
 constexpr double kMostTilt = 10.0;       ///< limit on the trunk's tilt [deg]
 constexpr double kMostEndError = 0.03;   ///< limit on the end position error [m]
@@ -113,7 +113,7 @@ Outcome walk_on(const RobotModel& robot, const World& world, const SimulatedRobo
   };
   session.add(report);
   session.add(hooks);
-  while (session.t() < kBefore + kWalkTime + kAfter && !session.fallen() && !interrupted)
+  while (session.t() < kBefore + kWalkTime + kComeToRest && !session.fallen() && !interrupted)
     session.step(script);
   outcome.report = report.json(world.name(), "sim", seed, 0.0);
   return outcome;

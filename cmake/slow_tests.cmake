@@ -10,6 +10,7 @@ set(slow_suites
     FallTest
     FlowTest
     FuzzTest
+    MotorHeatTest
     NavigatorTest
     Operate
     PictureTest
@@ -20,6 +21,7 @@ set(slow_suites
     Reproduce
     RetracePartTest
     Scenario
+    SensorCheckRunsTest
     Session
     Soak
     StopTest)

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kConfirm = 0.1;  ///< time for which attitude and gyro contradict each other before gravity decides [s]
 constexpr double kDisagree = 0.035;     ///< turns of gyro and attitude in a tick: noise and delay [rad]
-constexpr double kExcess = 0.04;        ///< the same, added up [rad]
+constexpr double kExcessTurn = 0.04;    ///< the same, added up [rad]
 constexpr double kStuckExcess = 0.006;  ///< the same, for a gyro that gives the same again and again [rad]
 constexpr double kTurns = 0.02;         ///< turn by the gyro that an attitude that does not change contradicts [rad]
-constexpr double kStray = 0.3;          ///< how fast the attitude leaves its prediction without a gyro [rad/s]
+constexpr double kAttitudeStray = 0.3;  ///< how fast the attitude leaves its prediction without a gyro [rad/s]
 constexpr double kBetter = 0.02;        ///< difference of two directions of gravity that decides nothing [-]
-constexpr double kRate = 35.0;          ///< range of a gyro, 2000 deg/s [rad/s]
+constexpr double kGyroRange = 35.0;     ///< range of a gyro, 2000 deg/s [rad/s]
 constexpr double kRateJump = 4.0;     ///< largest change of the gyro in a tick that the attitude need not show [rad/s]
 constexpr double kRange = 160.0;      ///< range of an accelerometer, 16 g [m/s²]
 constexpr double kExcessSpeed = 0.4;  ///< acceleration beyond the plan, added up: more than a push [m/s]
@@ -78,7 +78,7 @@ void ImuCheck::predict(const MotionSample& planned) {
 }
 
 bool ImuCheck::gyro_accepted(const Vec3& rate, const Vec3& planned, const std::optional<Vec3>& turn) {
-  if (!(rate.norm() <= kRate)) return false;
+  if (!(rate.norm() <= kGyroRange)) return false;
   const bool stuck = same_.gyro * period_ >= check::kSame;
   bool agrees = false;
   excess_turn_ *= 1.0 - period_ / check::kMemory;
@@ -88,7 +88,7 @@ bool ImuCheck::gyro_accepted(const Vec3& rate, const Vec3& planned, const std::o
     // A sudden contradiction is a jump of one of them, and found as such.
     if (agrees) excess_turn_ += excess;
   }
-  if (excess_turn_.norm() > (stuck ? kStuckExcess : kExcess)) return false;
+  if (excess_turn_.norm() > (stuck ? kStuckExcess : kExcessTurn)) return false;
   return agrees || first_ || (rate - imu_.rate).norm() <= kRateJump || (rate - planned).norm() <= kRateJump;
 }
 
@@ -105,7 +105,7 @@ bool ImuCheck::attitude_accepted(const Mat3& attitude, const Mat3& predicted) {
   const bool same = same_.attitude > 0;
   turned_ = same ? Vec3(turned_ + period_ * imu_.rate) : Vec3::Zero();
   return valid_ && turned_.norm() <= kTurns &&
-         rotation_error(turn_ * attitude, predicted).norm() <= kDisagree + kStray * blind_;
+         rotation_error(turn_ * attitude, predicted).norm() <= kDisagree + kAttitudeStray * blind_;
 }
 
 bool ImuCheck::gravity_agrees(const Mat3& attitude, const Mat3& predicted, const MotionSample& planned) const {

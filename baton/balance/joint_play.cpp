@@ -6,20 +6,20 @@
 namespace baton {
 namespace {
 
-constexpr double kLoaded = 0.04;    ///< torque from which a motor is at an end of its play [stall torque]
-constexpr double kCrossing = 0.12;  ///< time constant of crossing the play [1/ω]
-constexpr double kCarries = 0.1;    ///< load from which a sole stands still [total load]
-constexpr double kUsual = 2.0;      ///< displacement of a sole per play, in a usual double support [COM height/rad]
-constexpr double kPrior = 2.0;      ///< weight of the prior, no play [usual double supports]
-constexpr double kMemory = 60.0;    ///< largest weight of all that was seen [usual double supports]
-constexpr double kFound = 0.75;     ///< share of the play that is found: a motor's place is uncertain when it crosses
-constexpr double kLeast = 5e-4;     ///< less cannot be told from soles that give [rad]
-constexpr double kLargest = 0.02;   ///< [rad]
-constexpr double kStep = 1e-3;      ///< for the derivative [rad]
+constexpr double kLoaded = 0.04;      ///< torque from which a motor is at an end of its play [stall torque]
+constexpr double kCrossing = 0.12;    ///< time constant of crossing the play [1/ω]
+constexpr double kStandsStill = 0.1;  ///< load from which a sole stands still [total load]
+constexpr double kUsualMove = 2.0;    ///< displacement of a sole per play, in a usual double support [COM height/rad]
+constexpr double kPrior = 2.0;        ///< weight of the prior, no play [usual double supports]
+constexpr double kMostTrust = 60.0;   ///< largest weight of all that was seen [usual double supports]
+constexpr double kFound = 0.75;       ///< share of the play that is found: a motor's place is uncertain when it crosses
+constexpr double kLeast = 5e-4;       ///< less cannot be told from soles that give [rad]
+constexpr double kLargestPlay = 0.02;  ///< [rad]
+constexpr double kDifference = 1e-3;   ///< for the derivative [rad]
 
 /// Weight of a usual double support [m²/rad²].
 double usual_weight(const RobotModel& robot) {
-  return std::pow(kUsual * robot.profile().stance.com_height, 2);
+  return std::pow(kUsualMove * robot.profile().stance.com_height, 2);
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ void JointPlay::correct(VecX& q, const VecX& torque, const SoleContact& contact,
   if (torque.size() != q.size()) return;
   const BySide<double>& load = contact.load();
   const bool stand =
-      planned.left && planned.right && std::min(load.left, load.right) > kCarries * (load.left + load.right);
+      planned.left && planned.right && std::min(load.left, load.right) > kStandsStill * (load.left + load.right);
   if (!stand && ticks_ > 1) learn();
   ticks_ = stand ? ticks_ + 1 : 0;
   latest_.q = q;
@@ -54,16 +54,16 @@ void JointPlay::correct(VecX& q, const VecX& torque, const SoleContact& contact,
 }
 
 double JointPlay::estimate() const {
-  const double play = std::min(play_ / kFound, kLargest);
+  const double play = std::min(play_ / kFound, kLargestPlay);
   return play < kLeast ? 0.0 : play;
 }
 
 void JointPlay::learn() {
   // Least squares, recursive, with a memory that fades.
   const Vec3 off = moved(play_);
-  const Vec3 by_play = (moved(play_ + kStep) - off) / kStep;
-  trust_ = std::min(trust_ + by_play.squaredNorm(), kMemory * usual_weight(*robot_));
-  play_ = std::clamp(play_ - by_play.dot(off) / trust_, 0.0, kLargest);
+  const Vec3 by_play = (moved(play_ + kDifference) - off) / kDifference;
+  trust_ = std::min(trust_ + by_play.squaredNorm(), kMostTrust * usual_weight(*robot_));
+  play_ = std::clamp(play_ - by_play.dot(off) / trust_, 0.0, kLargestPlay);
 }
 
 Vec3 JointPlay::moved(double play) {

@@ -8,14 +8,14 @@
 namespace baton {
 namespace {
 
-constexpr double kBridge = 0.3;      ///< longest time that a prediction stands in for a sensor [s]
-constexpr double kOldest = 0.1;      ///< largest age of a measurement that is taken into account [s]
-constexpr double kFastest = 1.5;     ///< largest speed of a joint, as a fall may drive it [no-load speed]
-constexpr double kSpeedJump = 12.0;  ///< largest change of a speed in a tick: noise of encoders [rad/s]
-constexpr double kStep = 0.035;      ///< change of an angle beyond its speed: noise and backlash [rad]
-constexpr double kStray = 0.3;       ///< how fast a joint leaves its prediction [rad/s]
-constexpr double kStuck = 0.03;      ///< planned movement without a change of the angle [rad]
-constexpr double kExcess = 0.04;     ///< speed beyond the change of the angle, added up [rad]
+constexpr double kBridge = 0.3;        ///< longest time that a prediction stands in for a sensor [s]
+constexpr double kOldest = 0.1;        ///< largest age of a measurement that is taken into account [s]
+constexpr double kFastestJoint = 1.5;  ///< largest speed of a joint, as a fall may drive it [no-load speed]
+constexpr double kSpeedJump = 12.0;    ///< largest change of a speed in a tick: noise of encoders [rad/s]
+constexpr double kAngleStep = 0.035;   ///< change of an angle beyond its speed: noise and backlash [rad]
+constexpr double kJointStray = 0.3;    ///< how fast a joint leaves its prediction [rad/s]
+constexpr double kStuck = 0.03;        ///< planned movement without a change of the angle [rad]
+constexpr double kExcessAngle = 0.04;  ///< speed beyond the change of the angle, added up [rad]
 
 bool finite(const Wrench& wrench) {
   return wrench.force.allFinite() && wrench.moment.allFinite();
@@ -108,23 +108,23 @@ bool SensorCheck::check_joints(const Measurement& measurement, const MotionSampl
     JointCheck& joint = joints_[static_cast<std::size_t>(j)];
     const double q = measurement.q[j];
     const double dq = measurement.dq[j];
-    const double fastest = kFastest * robot_->joints()[static_cast<std::size_t>(j)].motor.no_load;
+    const double fastest = kFastestJoint * robot_->joints()[static_cast<std::size_t>(j)].motor.no_load;
     const double bridged = joint.rejected * period_;
 
     // What is not a number fails every comparison.
     const bool in_range = std::abs(dq) <= fastest;
     const bool continuous = in_range && std::abs(dq - checked_.dq[j]) <= kSpeedJump;
     const double expected = checked_.q[j] + period_ * (continuous ? dq : planned.dq[6 + j]);
-    const double most = kStep + kStray * bridged + (continuous ? 0.0 : period_ * fastest);
+    const double most = kAngleStep + kJointStray * bridged + (continuous ? 0.0 : period_ * fastest);
     joint.planned = q == last_.q[j] ? joint.planned + period_ * planned.dq[6 + j] : 0.0;
-    joint.steady = std::abs(q - last_.q[j]) <= kStep + period_ * fastest ? joint.steady + period_ : 0.0;
+    joint.steady = std::abs(q - last_.q[j]) <= kAngleStep + period_ * fastest ? joint.steady + period_ : 0.0;
     const bool angle = std::abs(joint.planned) <= kStuck &&
                        (first_ ? std::isfinite(q) : std::abs(q - expected) <= most || joint.steady > kBridge);
 
     const double excess = period_ * dq - (q - checked_.q[j]);
     joint.excess *= leak;
     if (angle && in_range && joint.rejected == 0 && !first_) joint.excess += excess;
-    const bool speed = in_range && std::abs(joint.excess) <= kExcess;
+    const bool speed = in_range && std::abs(joint.excess) <= kExcessAngle;
 
     joint.rejected = angle ? 0 : joint.rejected + 1;
     checked_.q[j] = angle ? q : checked_.q[j] + period_ * planned.dq[6 + j];

@@ -10,7 +10,7 @@ constexpr double kIntegralTime = 3.0;  ///< integral time of the servo's torque 
 constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak [1/ω]
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
 constexpr double kAttitude = 2.0;      ///< moment by the trunk's attitude error [weight × COM height per rad]
-constexpr double kRate = 1.0;          ///< moment by its rate error [weight × COM height per ω]
+constexpr double kTrunkRate = 1.0;  ///< moment by its rate error [weight × COM height per ω]
 constexpr double kOffsetFirst = 1.2;   ///< low-pass of the COM offset at first [1/ω]
 constexpr double kOffsetTime = 12.0;   ///< the same at last
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
@@ -79,7 +79,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
 Vec2 Stabiliser::attitude_moment(const Mat3& trunk, const State& state) const {
   const double unit = robot_->mass() * kGravity * robot_->profile().stance.com_height;
   const Vec3 rate = rotation_error(trunk, trunk_) / robot_->profile().tick.period - state.trunk_rate;
-  const Vec3 moment = kAttitude * rotation_error(trunk_, state.trunk) + kRate / robot_->omega() * rate;
+  const Vec3 moment = kAttitude * rotation_error(trunk_, state.trunk) + kTrunkRate / robot_->omega() * rate;
   return unit * moment.head<2>();
 }
 

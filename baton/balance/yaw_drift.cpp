@@ -6,23 +6,23 @@
 namespace baton {
 namespace {
 
-constexpr double kUsual = 1.7e-3;  ///< standard deviation of the drift that one expects [rad/s]
-constexpr double kTwists = 6e-3;   ///< that of the turn of a walking robot's soles, after a second [rad]
-constexpr double kNoise = 1e-5;    ///< that of the yaw of resting soles, at least [rad]
+constexpr double kUsualDrift = 1.7e-3;  ///< standard deviation of the drift that one expects [rad/s]
+constexpr double kTwists = 6e-3;        ///< that of the turn of a walking robot's soles, after a second [rad]
+constexpr double kNoise = 1e-5;         ///< that of the yaw of resting soles, at least [rad]
 constexpr double kErrorsLast =
     10.0;                           ///< time for which its errors last, as the robot settles into its joints' play [s]
 constexpr double kLeastRest = 0.8;  ///< shortest rest that counts [s]
 constexpr double kCreep = 1e-4;     ///< standard deviation of the rate at which resting soles creep [rad/s]
-constexpr double kMemory = 60.0;    ///< longest time for which a drift is taken to have lasted [s]
-constexpr double kCarriesAlone = 0.9;  ///< share of the load from which a sole does not twist
-constexpr double kFastest = 0.05;      ///< largest drift [rad/s]
-constexpr double kSlips = 1.0;         ///< yaw rate of a sole from which it slips [rad/s]
-constexpr double kStill = 1e-3;        ///< planned speed at rest: norm over all joints [rad/s]
-constexpr double kTurns = 0.02;        ///< planned yaw rate of the root from which soles twist to one side [rad/s]
+constexpr double kLongest = 60.0;   ///< longest time for which a drift is taken to have lasted [s]
+constexpr double kCarriesAlone = 0.9;   ///< share of the load from which a sole does not twist
+constexpr double kLargestDrift = 0.05;  ///< largest drift [rad/s]
+constexpr double kSlips = 1.0;          ///< yaw rate of a sole from which it slips [rad/s]
+constexpr double kStill = 1e-3;         ///< planned speed at rest: norm over all joints [rad/s]
+constexpr double kTurning = 0.02;       ///< planned yaw rate of the root from which soles twist to one side [rad/s]
 
 }  // namespace
 
-YawDrift::YawDrift(double period) : period_(period), information_(1.0 / (kUsual * kUsual)) {}
+YawDrift::YawDrift(double period) : period_(period), information_(1.0 / (kUsualDrift * kUsualDrift)) {}
 
 void YawDrift::update(const BySide<double>& yaw, const SoleContact& contact, const MotionSample& planned) {
   const bool rests = planned.contact.left && planned.contact.right && planned.dq.norm() < kStill &&
@@ -50,9 +50,9 @@ void YawDrift::update(const BySide<double>& yaw, const SoleContact& contact, con
     rest(mean);
   } else {
     line_ = {};
-    if (alone && !slips && !rests && std::abs(planned.dq[5]) < kTurns) walk(turned);
+    if (alone && !slips && !rests && std::abs(planned.dq[5]) < kTurning) walk(turned);
   }
-  since_ = std::min(since_ + period_, kMemory);
+  since_ = std::min(since_ + period_, kLongest);
   error_ += period_ * rate_;
 }
 
@@ -86,7 +86,7 @@ void YawDrift::walk(double turned) {
 
 void YawDrift::set_rate(double rate) {
   const double before = rate_;
-  rate_ = std::clamp(rate, -kFastest, kFastest);
+  rate_ = std::clamp(rate, -kLargestDrift, kLargestDrift);
   error_ += since_ * (rate_ - before);
 }
 

@@ -9,7 +9,7 @@
 namespace baton {
 namespace {
 
-constexpr double kRounding = 1e-6;  ///< displacements below this are rounding errors [reach]
+constexpr double kLeastDeflection = 1e-6;  ///< displacements below this are rounding errors [reach]
 
 }  // namespace
 
@@ -63,7 +63,7 @@ std::vector<Target> Guide::single_axes(const Target& target) const {
   std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return deflection[a] > deflection[b]; });
   std::vector<Target> singles;
   for (const int axis : axes) {
-    if (deflection[axis] < kRounding) continue;
+    if (deflection[axis] < kLeastDeflection) continue;
     Target& single = singles.emplace_back(target);
     single.move.setZero();
     single.move[axis] = target.move[axis];

@@ -9,9 +9,9 @@
 namespace baton {
 namespace {
 
-constexpr double kGrid = 0.04;       ///< largest grid spacing of the foothold search [COM height]
-constexpr double kFineGrid = 0.008;  ///< the same straight ahead, as most edges lie across [COM height]
-constexpr double kRounding = 1e-9;   ///< rounding tolerance at the border of the region [m, rad]
+constexpr double kGrid = 0.04;            ///< largest grid spacing of the foothold search [COM height]
+constexpr double kFineGrid = 0.008;       ///< the same straight ahead, as most edges lie across [COM height]
+constexpr double kBorderRounding = 1e-9;  ///< rounding tolerance at the border of the region [m, rad]
 
 /// Distance of a value outside a range; negative inside.
 double excess(double value, const Range& range) {
@@ -25,7 +25,7 @@ Range with(const Range& range, double value) {
 
 /// Evenly spaced values over the range, its ends included.
 std::vector<double> spaced(const Range& range, double most) {
-  const auto intervals = std::max(1, static_cast<int>(std::ceil((range.hi - range.lo) / most - kRounding)));
+  const auto intervals = std::max(1, static_cast<int>(std::ceil((range.hi - range.lo) / most - kBorderRounding)));
   std::vector<double> values;
   for (int i = 0; i <= intervals; ++i)
     values.push_back(range.lo + (range.hi - range.lo) * i / intervals);
@@ -66,11 +66,11 @@ Guide::Placement Guide::place(const GuideContext& context, Side side, const Vec2
   const Vec3 relative = rotation_z(-stance_yaw) * (placement.sole.p - stance.p);
   const double lateral = sign_of(side) * relative.y();
   const double turned = wrap_angle(yaw - stance_yaw);
-  if (excess(relative.x(), region.forward) > kRounding) {
+  if (excess(relative.x(), region.forward) > kBorderRounding) {
     placement.refusal = {Reason::foot_region, part, relative.x(), region.forward.clamped(relative.x()), "forward"};
-  } else if (excess(lateral, region.outward) > kRounding) {
+  } else if (excess(lateral, region.outward) > kBorderRounding) {
     placement.refusal = {Reason::foot_region, part, lateral, region.outward.clamped(lateral), "sideways"};
-  } else if (std::abs(turned) > profile.region.foot_yaw + kRounding) {
+  } else if (std::abs(turned) > profile.region.foot_yaw + kBorderRounding) {
     placement.refusal = {Reason::foot_yaw, part, std::abs(turned), profile.region.foot_yaw, ""};
   }
   if (placement.refusal) return placement;

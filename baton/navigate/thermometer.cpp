@@ -7,12 +7,12 @@
 namespace baton {
 namespace {
 
-constexpr double kCooled = 0.7;    ///< rise below which the robot goes on [permitted rise]
-constexpr double kSettled = 0.02;  ///< distance from its final rise at which a motor gets no cooler [permitted rise]
-constexpr double kSettling = 5.0;  ///< time after which the winding tells that final rise [its time constant]
-constexpr double kReserve = 0.1;   ///< between that rise and the one at which the robot is hot again [permitted rise]
-constexpr double kHottest = 0.95;  ///< rise at which it is hot in any case [permitted rise]
-constexpr double kTorque = 1.5;    ///< largest motor torque, as currents tell it [stall torque]
+constexpr double kCooled = 0.7;      ///< rise below which the robot goes on [permitted rise]
+constexpr double kSettled = 0.02;    ///< distance from its final rise at which a motor gets no cooler [permitted rise]
+constexpr double kSettling = 5.0;    ///< time after which the winding tells that final rise [its time constant]
+constexpr double kHotReserve = 0.1;  ///< between that rise and the one at which the robot is hot again [permitted rise]
+constexpr double kHottest = 0.95;    ///< rise at which it is hot in any case [permitted rise]
+constexpr double kTorque = 1.5;      ///< largest motor torque, as currents tell it [stall torque]
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void Thermometer::judge() {
   const double final = heat_[static_cast<std::size_t>(now.joint)].winding / motor.winding;
   if (hot_time_ < kSettling * motor.winding_time || now.total > final + kSettled || now.total >= kHottest) return;
   hot_ = false;
-  hot_from_ = std::clamp(now.total + kReserve, kHot, kHottest);
+  hot_from_ = std::clamp(now.total + kHotReserve, kHot, kHottest);
 }
 
 }  // namespace baton

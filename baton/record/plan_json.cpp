@@ -5,7 +5,7 @@
 namespace baton {
 namespace {
 
-nlohmann::json pose_json(const Pose& pose) {
+nlohmann::json pose_rpy_json(const Pose& pose) {
   return {{"p", vector_json(pose.p)}, {"rpy", vector_json(rpy_of(pose.R))}};
 }
 
@@ -50,9 +50,9 @@ nlohmann::json to_json(const PlannedMotion& planned, const Pose& anchor) {
   nlohmann::json goal = {{"com", vector_json(anchor * end.com)},
                          {"trunk", {{"rpy", vector_json(rpy_of(anchor.R * end.trunk))}}}};
   for (const Side side : kSides) {
-    goal[std::string(to_string(foot(side)))] = pose_json(anchor * end.sole[side]);
+    goal[std::string(to_string(foot(side)))] = pose_rpy_json(anchor * end.sole[side]);
     goal[std::string(to_string(foot(side)))]["contact"] = end.contact[side];
-    goal[std::string(to_string(hand(side)))] = pose_json(anchor * end.hand[side]);
+    goal[std::string(to_string(hand(side)))] = pose_rpy_json(anchor * end.hand[side]);
   }
   nlohmann::json json = {{"kind", to_string(motion.goal.kind)},
                          {"guided", to_string(motion.goal.guided)},

@@ -15,7 +15,7 @@ using test::Scratch;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string kWalk = R"({"t": 0.3, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0.2]}
+const std::string kWalkAndTurn = R"({"t": 0.3, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0.2]}
 {"t": 3.0, "guide": "trunk", "axes": [0, 0, 0, 0, 0, 0]}
 )";
 
@@ -59,7 +59,7 @@ TEST(Calibrate, ACalibratedRobotDrivesAndItsRecordingReplays) {
   const Scratch scratch;
   const std::string file = scratch.path("c.toml");
   ASSERT_EQ(run({"calibrate", "--out", file, "--seed", "6"}).code, app::kDone);
-  const std::string script = "script:" + scratch.write("walk.jsonl", kWalk);
+  const std::string script = "script:" + scratch.write("walk.jsonl", kWalkAndTurn);
   for (const bool calibrated : {false, true}) {
     std::vector<std::string> args{"drive",     "--world",
                                   "flat",      "--input",
@@ -93,7 +93,7 @@ TEST(Calibrate, WritesNothingIfTheReadingsContradictEachOther) {
 TEST(Calibrate, SaysWhatIsWrongInOneLine) {
   const Scratch scratch;
   const std::string bad = scratch.write("bad.toml", "robot = \"somebody\"\n");
-  const std::string script = "script:" + scratch.write("walk.jsonl", kWalk);
+  const std::string script = "script:" + scratch.write("walk.jsonl", kWalkAndTurn);
   const std::vector<std::string> drive{"drive", "--world", "flat", "--input", script, "--fast", "--seconds", "1"};
   const auto driven = [&drive](std::vector<std::string> more) {
     more.insert(more.begin(), drive.begin(), drive.end());

@@ -20,7 +20,7 @@ using test::run;
 using test::Scratch;
 using testing::HasSubstr;
 
-const std::string kWalk = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0], "lift": [0, 0]}
+const std::string kWalkAhead = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0], "lift": [0, 0]}
 {"t": 3.0, "guide": "left_hand", "axes": [0.5, 0, 0.5, 0, 0, 0]}
 {"t": 4.5, "guide": "left_foot", "axes": [0, -1, 0, 0, 0, 0]}
 {"t": 5.0, "guide": "trunk", "axes": [0, 0, 0, 0, 0, 0]}
@@ -64,8 +64,8 @@ TEST(Drive, AHeldStickLeadsStraightAheadThoughSolesSlide) {
 TEST(Drive, AScriptInPhysicsWritesTraceReportAndModel) {
   const Scratch scratch;
   const Outcome outcome =
-      run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalk), "--plant", "model",
-           "--fast", "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
+      run({"drive", "--world", "flat", "--input", "script:" + scratch.write("walk.jsonl", kWalkAhead), "--plant",
+           "model", "--fast", "--seconds", "6", "--seed", "7", "--trace", scratch.path("t.csv"), "--report",
            scratch.path("r.json"), "--save-model", scratch.path("m.xml")});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
   const nlohmann::json report = scratch.json("r.json");
@@ -143,7 +143,7 @@ TEST(Drive, ByTheClockTheReportTellsPeriodSlackAndLateness) {
 
 TEST(Drive, TheSameScriptGivesTheSameTrace) {
   const Scratch scratch;
-  const std::string script = "script:" + scratch.write("walk.jsonl", kWalk);
+  const std::string script = "script:" + scratch.write("walk.jsonl", kWalkAhead);
   for (const char* on : {"ideal", "sim"}) {
     for (const char* file : {"a.csv", "b.csv"}) {
       ASSERT_EQ(run({"--world", "room", "--on", on, "--input", script, "--fast", "--seconds", "4", "--trace",
@@ -158,7 +158,7 @@ TEST(Drive, TheSameScriptGivesTheSameTrace) {
 
 TEST(Drive, BadInputIsOneClearLineAndExitCodeTwo) {
   const Scratch scratch;
-  const std::string script = "script:" + scratch.write("ok.jsonl", kWalk);
+  const std::string script = "script:" + scratch.write("ok.jsonl", kWalkAhead);
   const std::string bad = "script:" + scratch.write("bad.jsonl", R"({"t": 0, "guide": "tail", "axes": [0,0,0,0,0,0]})");
   scratch.write("broken.xml", "<mujoco><worldbody><geom name='ground'");
   scratch.write("nan.toml", "name = \"x\"\nmodel = \"mighty.xml\"\n[stance]\nwidth = nan\n");
@@ -299,7 +299,7 @@ TEST(Drive, AJoystickThatIsNotThereIsWaitedForByTheClockOnly) {
 
 TEST(Plan, ShowsSegmentsAndRefusals) {
   const Scratch scratch;
-  const Outcome outcome = run({"plan", scratch.write("walk.jsonl", kWalk)});
+  const Outcome outcome = run({"plan", scratch.write("walk.jsonl", kWalkAhead)});
   ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
   const nlohmann::json plan = nlohmann::json::parse(outcome.out);
   int refused = 0;
@@ -327,7 +327,7 @@ TEST(Plan, ShowsSegmentsAndRefusals) {
 
 TEST(Plan, SaysWhatForbidsAnythingShorter) {
   const Scratch scratch;
-  const std::string script = scratch.write("walk.jsonl", kWalk);
+  const std::string script = scratch.write("walk.jsonl", kWalkAhead);
   const double first = test::robot("mighty").profile().duration.first;
   for (const char* rule : {"paper", "search"}) {
     const Outcome outcome = run({"plan", script, "--duration", rule});

@@ -23,7 +23,7 @@ using test::run;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string kWalk = R"({"t": 0, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})";
+const std::string kHeldStick = R"({"t": 0, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})";
 
 class Files : public testing::Test {
  protected:
@@ -51,7 +51,7 @@ class Files : public testing::Test {
   }
 
   const test::Scratch scratch_;
-  const std::string script_ = scratch_.write("walk.jsonl", kWalk);
+  const std::string script_ = scratch_.write("walk.jsonl", kHeldStick);
 };
 
 using Outputs = Files;
@@ -151,7 +151,7 @@ TEST_F(Outputs, TwoThatAreTheSameFileAreRefusedBeforeAnythingIsWritten) {
     EXPECT_THAT(outcome.err, AllOf(HasSubstr(c.one), HasSubstr(c.other), HasSubstr("the same file")));
   }
   EXPECT_EQ(scratch_.read("old"), "old");
-  EXPECT_EQ(scratch_.read("walk.jsonl"), kWalk);
+  EXPECT_EQ(scratch_.read("walk.jsonl"), kHeldStick);
   fs::remove(scratch_.path("script"));
   EXPECT_EQ(names(), before);
   EXPECT_EQ(run(drive({"--trace", "/dev/null", "--report", "/dev/null"})).code, app::kDone);
@@ -263,7 +263,7 @@ TEST_F(Inputs, AScriptMayComeThroughAPipe) {
   const std::string expected = run({"plan", script_, "--seconds", "0.5"}).out;
   std::thread writer([&] {
     std::ofstream out(pipe);  // waits for the reader
-    out << kWalk.substr(0, 20) << std::flush << kWalk.substr(20);
+    out << kHeldStick.substr(0, 20) << std::flush << kHeldStick.substr(20);
   });
   const Outcome outcome = run({"plan", pipe, "--seconds", "0.5"});
   writer.join();
@@ -292,7 +292,7 @@ TEST_P(EndedBy, ASignalNobodyWritesToAPipe) {
 }
 
 TEST_P(EndedBy, ASignalALongPlanShowsWhatItHas) {
-  scratch_.write("day.jsonl", kWalk + "\n{\"t\": 86400}\n");
+  scratch_.write("day.jsonl", kHeldStick + "\n{\"t\": 86400}\n");
   std::thread stops([&] {
     while (access(scratch_.path("out/segment_002.json").c_str(), F_OK) != 0)
       std::this_thread::yield();

@@ -4,10 +4,13 @@
 
 #include "baton/proving/scenario.hpp"
 #include "baton/run/simulation.hpp"
+#include "tests/support/random.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
 namespace {
+
+using test::Random;
 
 // Bounds of an offset; lengths are shares of the COM height.
 constexpr double kMostHeight = 0.05;
@@ -16,24 +19,6 @@ constexpr double kMostTurn = 0.2;  // [rad]
 // What need not be followed: less is as planned.
 constexpr double kExact = 6e-4;
 constexpr double kLevel = 1.5e-3;  // [rad]
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-  std::size_t below(std::size_t n) { return engine_() % n; }
-  bool coin() { return below(2) == 0; }
-  Vec3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-  Vec3 horizontal(double size) { return {(*this)(-size, size), (*this)(-size, size), 0.0}; }
-  /// Horizontal, of length 1.
-  Vec3 way() { return rotation_z((*this)(-M_PI, M_PI)).col(0); }
-  /// Of any size from tiny to absurd.
-  double wild() { return (coin() ? 1.0 : -1.0) * std::pow(10.0, (*this)(-6.0, 12.0)); }
-  Vec3 wild_vector() { return {wild(), wild(), wild()}; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 class FootingTest : public testing::TestWithParam<std::string> {
  protected:
@@ -312,7 +297,7 @@ TEST_P(FootingTest, WhateverIsMeasuredItIsBounded) {
 TEST_P(FootingTest, ASoleYieldsToTheMomentThatIsTooMuch) {
   for (int trial = 0; trial < 200; ++trial) {
     const Side side = random_.coin() ? Side::left : Side::right;
-    const Vec3 way = random_.way();
+    const Vec3 way = random_.direction();
     const auto after = [&](const RobotModel& robot, double excess, int ticks) {
       BySide<Wrench> force = halves_;
       force[side].moment += excess * 0.5 * weight_ * size_ * way;
@@ -341,7 +326,7 @@ TEST_P(FootingTest, ASoleYieldsToTheMomentThatIsTooMuch) {
 TEST_P(FootingTest, ASoleThatTipsOnAnEdgeYieldsFasterTheLongerItLasts) {
   for (int trial = 0; trial < 200; ++trial) {
     const Side side = random_.coin() ? Side::left : Side::right;
-    const Vec3 way = random_.way();
+    const Vec3 way = random_.direction();
     const double excess = random_(0.06, 0.15);
     // Turned by in each of 40 ticks, with a moment whose sense changes at times.
     const auto turns = [&](int changes_after) {
@@ -396,9 +381,9 @@ TEST_P(FootingTest, ASoleYieldsToTheForceThatIsTooMuch) {
 
 TEST_P(FootingTest, LegsThatPressAgainstEachOtherGiveWay) {
   for (int trial = 0; trial < 200; ++trial) {
-    const Vec3 apart = random_(0.01, 0.2) * weight_ * random_.way();
+    const Vec3 apart = random_(0.01, 0.2) * weight_ * random_.direction();
     const Vec3 twist = random_(-0.05, 0.05) * weight_ * size_ * Vec3::UnitZ();
-    const Vec3 common = 0.1 * weight_ * random_.way();  // what the robot is moved by, both soles alike
+    const Vec3 common = 0.1 * weight_ * random_.direction();  // what the robot is moved by, both soles alike
     const auto after = [&](const RobotModel& robot, double share) {
       BySide<Wrench> force = halves_;
       for (const Side side : kSides) {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kWeight = 54.0;
 constexpr double kHeight = 0.26;
-constexpr double kPeriod = 0.005 * 6.14;  // [1/ω]
+constexpr double kScaledPeriod = 0.005 * 6.14;  // [1/ω]
 
 MotionSample standing_on(bool left, bool right) {
   MotionSample sample;
@@ -36,7 +36,7 @@ TEST(ForceZeros, AreFoundInTheAir) {
       const double aside = unit(random);
       zero[side] = Vec3(2.0 * aside, 2.0 * unit(random), 20.0 * unit(random));
     }
-    ForceZeros zeros(kWeight, kHeight, kPeriod);
+    ForceZeros zeros(kWeight, kHeight, kScaledPeriod);
     BySide<Wrench> corrected;
     for (int tick = 0; tick < 400; ++tick) {  // steps of 0.25 s in the air, a foot after the other
       const int phase = tick / 50 % 4;
@@ -53,7 +53,7 @@ TEST(ForceZeros, AreFoundInTheAir) {
 }
 
 TEST(ForceZeros, AreNotLearnedStanding) {
-  ForceZeros zeros(kWeight, kHeight, kPeriod);
+  ForceZeros zeros(kWeight, kHeight, kScaledPeriod);
   const MotionSample planned = standing_on(true, true);
   for (int tick = 0; tick < 1000; ++tick) {
     BySide<Wrench> sole = forces(planned);
@@ -65,7 +65,7 @@ TEST(ForceZeros, AreNotLearnedStanding) {
 
 TEST(ForceZeros, AreNotLearnedFromAFootThatStandsUnplanned) {
   // As after a fall, when the robot was stood up on both feet and the last plan stood on one.
-  ForceZeros zeros(kWeight, kHeight, kPeriod);
+  ForceZeros zeros(kWeight, kHeight, kScaledPeriod);
   for (int tick = 0; tick < 4000; ++tick) {
     BySide<Wrench> sole = forces(standing_on(true, true));
     zeros.correct(sole, standing_on(true, false));
@@ -74,7 +74,7 @@ TEST(ForceZeros, AreNotLearnedFromAFootThatStandsUnplanned) {
 }
 
 TEST(ForceZeros, AFootThatLandsTooEarlyTellsLittle) {
-  ForceZeros zeros(kWeight, kHeight, kPeriod);
+  ForceZeros zeros(kWeight, kHeight, kScaledPeriod);
   BySide<Wrench> sole;
   for (int tick = 0; tick < 100; ++tick) {  // in the air, without errors
     sole = forces(standing_on(true, false));

@@ -2,25 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "baton/ik/stand.hpp"
 #include "baton/run/simulation.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
+using test::Random;
+
 constexpr BySide<bool> kBothStand{true, true};
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// A standing robot whose motors have play: the links keep still, and torques push motors to and fro.
 class JointPlayTest : public testing::TestWithParam<std::string> {

@@ -12,24 +12,14 @@
 #include "baton/model/error.hpp"
 #include "baton/robot/ideal_robot.hpp"
 #include "baton/run/simulation.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
+using test::Random;
 using testing::HasSubstr;
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-  std::size_t below(std::size_t n) { return engine_() % n; }
-  /// Somewhere on the floor, turned some way.
-  Pose on_the_floor() { return {Vec3((*this)(-2, 2), (*this)(-2, 2), 0.0), rotation_z((*this)(-M_PI, M_PI))}; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// One tick of a run: what was measured, the truth about the root with it, and what was planned.
 struct Moment {

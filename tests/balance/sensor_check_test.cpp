@@ -63,7 +63,11 @@ class SensorCheckTest : public testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Robots, SensorCheckTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
-TEST_P(SensorCheckTest, WhatARobotInPhysicsMeasuresIsBelievedToTheBit) {
+/// What takes minutes of simulated time.
+class SensorCheckRunsTest : public SensorCheckTest {};
+INSTANTIATE_TEST_SUITE_P(Robots, SensorCheckRunsTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(SensorCheckRunsTest, WhatARobotInPhysicsMeasuresIsBelievedToTheBit) {
   for (const char* name : {"nominal", "noise", "push", "push_walk", "stiff_tiles"}) {
     const Scenario& scenario = scenario_named(name);
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -218,7 +222,7 @@ void drive_with_glitches(const RobotModel& robot, const World& world, const std:
   EXPECT_TRUE(scenario == "push_stand" || session.navigator().committed() > 0.2 * seconds);
 }
 
-TEST_P(SensorCheckTest, GlitchesNeitherTipARobotThatStandsNorOneThatWalks) {
+TEST_P(SensorCheckRunsTest, GlitchesNeitherTipARobotThatStandsNorOneThatWalks) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     for (const char* scenario : {"push_stand", "push_walk", "nominal"}) {
       drive_with_glitches(robot_, flat_, scenario, seed, 12.0);

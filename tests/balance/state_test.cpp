@@ -2,23 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-  Vec3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-  Pose pose() { return {vector(2.0), rotation_exp(vector(2.0))}; }
-  /// A place, a height and a yaw.
-  Pose planar() { return {vector(2.0), rotation_z((*this)(-M_PI, M_PI))}; }
-
- private:
-  std::mt19937_64 engine_;
-};
+using test::Random;
 
 class EstimatorTest : public testing::TestWithParam<std::string> {
  protected:
@@ -57,7 +47,7 @@ TEST_P(EstimatorTest, VelocitiesAreTheDerivativesOfTheState) {
   const double h = 1e-6;
   for (int trial = 0; trial < 2000; ++trial) {
     const Measurement m = measurement();
-    const Pose anchor = random_.planar();
+    const Pose anchor = random_.upright();
     const State before = estimator.update(later(m, -h), anchor);
     const State after = estimator.update(later(m, h), anchor);
     const State now = estimator.update(m, anchor);
@@ -73,7 +63,7 @@ TEST_P(EstimatorTest, IsTheWorldSeenFromTheAnchor) {
   Estimator estimator(robot_);
   for (int trial = 0; trial < 2000; ++trial) {
     const Measurement m = measurement();
-    const Pose anchor = random_.planar();
+    const Pose anchor = random_.upright();
     const State in_world = estimator.update(m, Pose{});
     const State in_plan = estimator.update(m, anchor);
     ASSERT_LT((anchor * in_plan.com - in_world.com).norm(), 1e-9);
@@ -91,7 +81,7 @@ TEST_P(EstimatorTest, DoesNotSeeRobotAndAnchorMoveTogether) {
   Estimator estimator(robot_);
   for (int trial = 0; trial < 2000; ++trial) {
     const Measurement m = measurement();
-    const Pose anchor = random_.planar();
+    const Pose anchor = random_.upright();
     const Pose moved = random_.pose();
     Measurement elsewhere = m;
     elsewhere.root->pose = moved * m.root->pose;
@@ -131,7 +121,7 @@ TEST(AnchorCorrection, RecoversAPlanarMoveExactly) {
   Random random(5);
   for (int trial = 0; trial < 5000; ++trial) {
     const BySide<Pose> planned = standing_soles(random);
-    const Pose moved = random.planar();
+    const Pose moved = random.upright();
     const BySide<Pose> measured{moved * planned.left, moved * planned.right};
     for (const BySide<bool> contact : {BySide<bool>{true, true}, {true, false}, {false, true}}) {
       const Pose found = anchor_correction(planned, measured, contact);
@@ -145,7 +135,7 @@ TEST(AnchorCorrection, DoesNotLookAtAFootInTheAir) {
   Random random(6);
   for (int trial = 0; trial < 2000; ++trial) {
     const BySide<Pose> planned = standing_soles(random);
-    const Pose moved = random.planar();
+    const Pose moved = random.upright();
     for (const Side stance : kSides) {
       BySide<Pose> measured{moved * planned.left, moved * planned.right};
       measured[other(stance)] = random.pose();
@@ -159,7 +149,7 @@ TEST(AnchorCorrection, LiesAsNearToBothSolesAsItCan) {
   Random random(7);
   for (int trial = 0; trial < 2000; ++trial) {
     const BySide<Pose> planned = standing_soles(random);
-    const Pose moved = random.planar();
+    const Pose moved = random.upright();
     BySide<Pose> measured{moved * planned.left, moved * planned.right};
     for (const Side side : kSides)
       measured[side].p += random.vector(0.01);

@@ -8,8 +8,7 @@
 namespace baton {
 namespace {
 
-constexpr double kPeriod = 0.005;
-constexpr double kWeight = 54.0;
+constexpr double kTick = 0.005, kRobotWeight = 54.0;  // [s], [N]
 
 MotionSample at_rest() {
   MotionSample sample;
@@ -33,23 +32,23 @@ class Drifting {
   /// @param left share of the load
   void live(double seconds, const MotionSample& planned, double left = 0.5, double noise = 0.0,
             const std::function<BySide<double>(double)>& twist = nullptr) {
-    const int ticks = static_cast<int>(std::lround(seconds / kPeriod));
+    const int ticks = static_cast<int>(std::lround(seconds / kTick));
     for (int tick = 0; tick < ticks; ++tick) {
-      contact_.update({left * kWeight, (1.0 - left) * kWeight});
-      yaw += kPeriod * drift_;
-      const BySide<double> soles = twist ? twist(kPeriod * tick) : BySide<double>{0.0, 0.0};
+      contact_.update({left * kRobotWeight, (1.0 - left) * kRobotWeight});
+      yaw += kTick * drift_;
+      const BySide<double> soles = twist ? twist(kTick * tick) : BySide<double>{0.0, 0.0};
       const double seen = yaw - estimate.error();
       estimate.update({seen + soles.left + noise * normal_(random_), seen + soles.right + noise * normal_(random_)},
                       contact_, planned);
     }
   }
 
-  YawDrift estimate{kPeriod};
+  YawDrift estimate{kTick};
   double yaw = 0.0;  ///< error of the IMU's [rad]
 
  private:
   double drift_;
-  SoleContact contact_{kWeight, kPeriod};
+  SoleContact contact_{kRobotWeight, kTick};
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
 };
@@ -120,7 +119,7 @@ TEST(YawDrift, WhatARestToldHoldsWhileItWalks) {
   Drifting imu(0.003, 0);
   imu.live(1.0, at_rest());
   std::mt19937_64 random(1);
-  std::normal_distribution<double> normal(0.0, 0.006 * std::sqrt(kPeriod));
+  std::normal_distribution<double> normal(0.0, 0.006 * std::sqrt(kTick));
   double twisted = 0.0;
   imu.live(60.0, walking(), 1.0, 0.0, [&](double /*t*/) {
     twisted += normal(random);

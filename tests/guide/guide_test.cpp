@@ -7,11 +7,13 @@
 
 #include "baton/ik/stand.hpp"
 #include "baton/model/contact.hpp"
-#include "tests/guide/random_command.hpp"
+#include "tests/guide/commands.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
+
+using test::push;
 
 const World& flat() {
   static const World world = World::load("flat");
@@ -34,14 +36,6 @@ class GuideTest : public testing::TestWithParam<std::string> {
   static bool refused_for(const GuideResult& result, Reason reason) {
     const auto* refusal = std::get_if<Refusal>(&result);
     return refusal != nullptr && refusal->reason == reason;
-  }
-
-  /// Full stick of one axis.
-  static Command push(Part part, int axis, double value = 1.0) {
-    Command command;
-    command.guide = part;
-    command.axes[axis] = value;
-    return command;
   }
 
   /// A stance with the feet anywhere in their region.

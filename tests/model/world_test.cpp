@@ -8,11 +8,13 @@
 #include <fstream>
 
 #include "baton/model/error.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
+using test::Random;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -99,16 +101,6 @@ struct Ground {
   }
 };
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-  Vec2 place(double size) { return {(*this)(-size, size), (*this)(-size, size)}; }
-
- private:
-  std::mt19937_64 engine_;
-};
-
 enum class Kind { level, tilted };
 
 /// A floor of finite size (or none) and boxes on it, apart, side by side and over each other.
@@ -136,7 +128,7 @@ World world_of(const Ground& ground) {
 ConvexPolygon random_sole(Random& random) {
   const Vec2 half(random(0.03, 0.06), random(0.02, 0.05));
   const Mat3 R = rotation_z(random(-3, 3));
-  const Vec2 at = random.place(0.5);
+  const Vec2 at = random.horizontal(0.5).head<2>();
   std::vector<Vec2> corners;
   for (const double u : {-1.0, 1.0}) {
     for (const double v : {-1.0, 1.0})
@@ -174,7 +166,7 @@ TEST(World, FlatIsFlatEverywhere) {
   const World world = World::load("flat");
   Random random(1);
   for (int trial = 0; trial < 2000; ++trial) {
-    const Vec2 at = random.place(50.0);
+    const Vec2 at = random.horizontal(50.0).head<2>();
     const std::optional<GroundPoint> ground = world.ground(at);
     ASSERT_TRUE(ground);
     EXPECT_EQ(ground->height, 0.0);
@@ -227,7 +219,7 @@ TEST(World, KnowsTheHighestFaceAtEveryPlace) {
     const World world = world_of(ground);
     ASSERT_EQ(world.faces().size(), ground.blocks.size());
     for (int probe = 0; probe < 200; ++probe) {
-      const Vec2 at = random.place(0.9);
+      const Vec2 at = random.horizontal(0.9).head<2>();
       if (ground.edge_within(at, 1e-6)) continue;
       const auto expected = ground.highest(at);
       const std::optional<GroundPoint> found = world.ground(at);
@@ -252,7 +244,7 @@ TEST(World, TheNearestGroundOfAHeightIsNearestOnAFaceAsHighThatNothingCoversTher
     const Ground ground = random_ground(random, Kind::level);
     const World world = world_of(ground);
     for (int probe = 0; probe < 60; ++probe) {
-      const Vec2 at = random.place(0.6);
+      const Vec2 at = random.horizontal(0.6).head<2>();
       const Block& block =
           ground.blocks[static_cast<std::size_t>(random(0, static_cast<double>(ground.blocks.size())))];
       const double height = block.top(0, 0).z() + random(-0.002, 0.002);
@@ -298,7 +290,7 @@ TEST(World, AgreesWithARayFromAbove) {
     const DataPtr data(mj_makeData(&world.mj()));
     mj_forward(&world.mj(), data.get());
     for (int probe = 0; probe < 200; ++probe) {
-      const Vec2 at = random.place(0.9);
+      const Vec2 at = random.horizontal(0.9).head<2>();
       if (ground.edge_within(at, 1e-3)) continue;
       const Vec3 from(at.x(), at.y(), 2.0);
       const Vec3 down(0, 0, -1);
@@ -329,7 +321,7 @@ TEST(World, KnowsTheDistanceToTheNearestStep) {
     const Ground ground = random_ground(random, Kind::level);
     const World world = world_of(ground);
     for (int probe = 0; probe < 40; ++probe) {
-      const Vec2 at = random.place(0.6);
+      const Vec2 at = random.horizontal(0.6).head<2>();
       const std::optional<GroundPoint> found = world.ground(at);
       if (!found || found->edge < 2e-3) continue;
       ++checked;
@@ -477,7 +469,7 @@ TEST(World, FindsTheUpperSideOfABoxHoweverItLies) {
 
 /// The message of the InputError that `make` throws.
 template <typename Make>
-std::string complaint(const Make& make) {
+std::string complaint_about(const Make& make) {
   try {
     static_cast<void>(make());
   } catch (const InputError& error) {
@@ -488,11 +480,11 @@ std::string complaint(const Make& make) {
 }
 
 TEST(World, NamesWhatIsWrongWithAFile) {
-  EXPECT_THAT(complaint([] { return World::load("nowhere"); }), AllOf(HasSubstr("nowhere"), HasSubstr("worlds")));
-  EXPECT_THAT(complaint([] { return World::load("/no/such/place.xml"); }), HasSubstr("/no/such/place.xml"));
+  EXPECT_THAT(complaint_about([] { return World::load("nowhere"); }), AllOf(HasSubstr("nowhere"), HasSubstr("worlds")));
+  EXPECT_THAT(complaint_about([] { return World::load("/no/such/place.xml"); }), HasSubstr("/no/such/place.xml"));
   const auto expect = [](const std::string& name, const std::string& body, const std::string& thing) {
     const auto file = file_of(name, body);
-    EXPECT_THAT(complaint([&] { return World(file); }), AllOf(HasSubstr(file.string()), HasSubstr(thing)));
+    EXPECT_THAT(complaint_about([&] { return World(file); }), AllOf(HasSubstr(file.string()), HasSubstr(thing)));
   };
   const std::string floor = "<geom name=\"ground\" type=\"plane\" size=\"1 1 0.1\"/>";
   expect("empty", kStart, "ground");
@@ -504,7 +496,7 @@ TEST(World, NamesWhatIsWrongWithAFile) {
   expect("unknown", kStart + floor + "<geom name=\"x\" type=\"potato\" size=\"1\"/>", "potato");
   expect("negative", kStart + floor + "<geom name=\"x\" type=\"box\" size=\"-1 1 1\"/>", "");
   const World fine(file_of("fine", kStart + floor));
-  EXPECT_THAT(complaint([&] { return fine.site("door_Z"); }), HasSubstr("door_Z"));
+  EXPECT_THAT(complaint_about([&] { return fine.site("door_Z"); }), HasSubstr("door_Z"));
 }
 
 class ComposeTest : public testing::TestWithParam<std::string> {
@@ -634,7 +626,7 @@ TEST_P(ComposeTest, TwoThingsOfOneNameAreBadInput) {
   const std::string twin = name_of(robot_.mj(), mjOBJ_SITE, 0);
   const World world(
       file_of("twin", kStart + "<geom name=\"ground\" type=\"plane\" size=\"1 1 0.1\"/><site name=\"" + twin + "\"/>"));
-  EXPECT_THAT(complaint([&] { return world.compose(robot_, 0.001); }), HasSubstr(twin));
+  EXPECT_THAT(complaint_about([&] { return world.compose(robot_, 0.001); }), HasSubstr(twin));
 }
 
 }  // namespace

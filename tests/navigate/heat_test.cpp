@@ -5,7 +5,7 @@
 #include <random>
 
 #include "baton/plan/strategy.hpp"
-#include "tests/guide/random_command.hpp"
+#include "tests/guide/commands.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/mirror.hpp"
 #include "tests/verify/sample_motions.hpp"
@@ -13,6 +13,7 @@
 namespace baton {
 namespace {
 
+using test::push;
 using test::Trip;
 
 class MotorHeatTest : public testing::TestWithParam<std::string> {
@@ -23,11 +24,6 @@ class MotorHeatTest : public testing::TestWithParam<std::string> {
     for (const Joint& joint : robot.joints())
       profile.heat[joint.name] = thermal;
     return RobotModel(profile);
-  }
-  static Command push(Part part, int axis, double by = 1.0) {
-    Command command{.guide = part};
-    command.axes[axis] = by;
-    return command;
   }
   [[nodiscard]] static double height(const Trip& trip) {
     const Posture now = trip.posture();

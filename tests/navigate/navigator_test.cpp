@@ -7,6 +7,7 @@
 #include <random>
 
 #include "baton/ik/stand.hpp"
+#include "tests/guide/commands.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/turned_imu.hpp"
@@ -14,6 +15,7 @@
 namespace baton {
 namespace {
 
+using test::push;
 using test::Trip;
 
 /// Anything that a stick may ask for.
@@ -37,13 +39,6 @@ std::pair<double, double> distance(const Posture& a, const Posture& b) {
                          rotation_error(a.hand[side].R, b.hand[side].R).norm()});
   }
   return {place, attitude};
-}
-
-Command push(Part part, int axis, double value = 1.0) {
-  Command command;
-  command.guide = part;
-  command.axes[axis] = value;
-  return command;
 }
 
 class NavigatorTest : public testing::TestWithParam<std::string> {

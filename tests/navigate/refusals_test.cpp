@@ -9,11 +9,14 @@
 
 #include "baton/navigate/navigator.hpp"
 #include "baton/plan/strategy.hpp"
+#include "tests/guide/commands.hpp"
 #include "tests/support/temp.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
 namespace {
+
+using test::push;
 
 const std::string kFloor = R"(<geom name="ground" type="plane" size="0 0 0.05"/>)";
 
@@ -24,13 +27,6 @@ struct Case {
   Command command;
   std::function<void(Request&)> change = [](Request&) {};
 };
-
-Command push(Part part, int axis, double value = 1.0) {
-  Command command;
-  command.guide = part;
-  command.axes[axis] = value;
-  return command;
-}
 
 /// A box that may be stood on, from `x` on forward or, if that is negative, backward; its top at `z`.
 std::string ground_box(const std::string& name, double x, double forward, double z) {

@@ -7,10 +7,13 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <random>
+
+#include "tests/support/random.hpp"
 
 namespace baton {
 namespace {
+
+using test::Random;
 
 constexpr double kPeriod = 0.005;
 const double kOmega = std::sqrt(9.81 / 0.26);
@@ -20,17 +23,6 @@ ConvexPolygon rectangle(const Vec2& low, const Vec2& high) {
   return ConvexPolygon::hull(corners);
 }
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double real(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-  int integer(int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(engine_); }
-  Vec3 vec(double size) { return {real(-size, size), real(-size, size), real(-size, size)}; }
-
- private:
-  std::mt19937_64 engine_;
-};
-
 Timing timing_of(const ComProblem& problem, int ticks) {
   return timing_by_shares(problem.phases, ticks, kPeriod);
 }
@@ -39,18 +31,18 @@ Timing timing_of(const ComProblem& problem, int ticks) {
 /// sometimes within a phase.
 ComProblem random_problem(Random& random) {
   ComProblem problem;
-  problem.omega = random.real(3.0, 7.0);
-  problem.p0 = random.vec(0.1) + Vec3(0, 0, 0.3);
-  problem.dp0 = random.vec(0.4);
-  problem.goal = problem.p0 + random.vec(0.06);
+  problem.omega = random(3.0, 7.0);
+  problem.p0 = random.vector(0.1) + Vec3(0, 0, 0.3);
+  problem.dp0 = random.vector(0.4);
+  problem.goal = problem.p0 + random.vector(0.06);
   const int phases = random.integer(1, 3);
   std::vector<double> shares;
   for (int i = 0; i < phases; ++i)
-    shares.push_back(random.real(0.1, 1.0));
+    shares.push_back(random(0.1, 1.0));
   const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
   double place = 0.0;
   const auto knot = [&](double at) {
-    problem.knots.push_back({at, problem.p0 + random.vec(0.1), random.real(0.2, 5.0)});
+    problem.knots.push_back({at, problem.p0 + random.vector(0.1), random(0.2, 5.0)});
   };
   knot(0.0);
   for (const double share : shares) {
@@ -88,7 +80,7 @@ TEST(ComPlan, MeetsItsBoundaryConditionsAndTheEquationOfMotion) {
     }
     const double h = 1e-4;
     for (int k = 0; k < 8; ++k) {
-      const double t = random.real(2 * h, T - 2 * h);
+      const double t = random(2 * h, T - 2 * h);
       const bool at_knot =
           std::any_of(path.times().begin(), path.times().end(), [&](double at) { return std::abs(at - t) < 2 * h; });
       if (at_knot) continue;
@@ -132,8 +124,8 @@ TEST(ComPlan, KnotsAreTheNearestToTheirWishesThatReachTheGoal) {
     const double least = cost(problem.knots, path.knots());
     for (int k = 0; k < 10; ++k) {
       std::vector<Vec3> other = path.knots();
-      const VecX step = null * VecX::NullaryExpr(null.cols(), [&] { return random.real(-1e-3, 1e-3); });
-      const Vec3 direction = random.vec(1.0).normalized();
+      const VecX step = null * VecX::NullaryExpr(null.cols(), [&] { return random(-1e-3, 1e-3); });
+      const Vec3 direction = random.vector(1.0).normalized();
       for (std::size_t i = 0; i < n; ++i)
         other[i] += step[static_cast<Eigen::Index>(i)] * direction;
       ASSERT_GE(cost(problem.knots, other), least - 1e-13);
@@ -169,10 +161,10 @@ TEST(ComPlan, RefusesProblemsThatAreNone) {
 TEST(ComPlan, TheZmpIsWhereTheLineOfForceMeetsThePlane) {
   Random random(4);
   for (int trial = 0; trial < 3000; ++trial) {
-    const double omega = random.real(3.0, 7.0);
-    const double plane = random.real(-0.1, 0.1);
-    const Vec3 p = random.vec(0.2) + Vec3(0, 0, 0.5);
-    const Vec3 v = p + random.vec(0.15);
+    const double omega = random(3.0, 7.0);
+    const double plane = random(-0.1, 0.1);
+    const Vec3 p = random.vector(0.2) + Vec3(0, 0, 0.5);
+    const Vec3 v = p + random.vector(0.15);
     const Vec3 force = omega * omega * (p - v) + Vec3(0, 0, kGravity);  // per mass
     const Vec2 zmp = zmp_of_vrp(p, v, plane, omega);
     if (force.z() <= 0.0) {
@@ -191,7 +183,7 @@ TEST(ComPlan, PhaseBordersFillTheDuration) {
     std::vector<SupportPhase> phases(static_cast<std::size_t>(random.integer(1, 5)));
     double sum = 0.0;
     for (SupportPhase& phase : phases)
-      sum += phase.share = std::pow(random.real(0.05, 1.0), 4.0);
+      sum += phase.share = std::pow(random(0.05, 1.0), 4.0);
     for (SupportPhase& phase : phases)
       phase.share /= sum;
     const int ticks = random.integer(static_cast<int>(phases.size()), 300);
@@ -250,9 +242,9 @@ TEST(ComPlan, GivesTheNumbersOfTheTheory) {
 TEST(ComPlan, TheMarginIsTheLeastOfADenseSearch) {
   Random random(6);
   for (int trial = 0; trial < 300; ++trial) {
-    ComProblem problem = step_problem(0.042, -random.real(0.04, 0.08), -random.real(0.04, 0.10));
-    problem.goal.x() += random.real(-0.03, 0.03);
-    problem.dp0 = Vec3(random.real(-0.1, 0.1), random.real(-0.1, 0.1), 0.0);
+    ComProblem problem = step_problem(0.042, -random(0.04, 0.08), -random(0.04, 0.10));
+    problem.goal.x() += random(-0.03, 0.03);
+    problem.dp0 = Vec3(random(-0.1, 0.1), random(-0.1, 0.1), 0.0);
     if (trial % 2 == 0) {  // in one support a fast start is what counts
       problem.phases = {{1.0, rectangle({-0.05, -0.10}, {0.05, 0.08})}};
       problem.dp0 *= 4.0;
@@ -282,13 +274,12 @@ TEST(ComPlan, BoundedKnotsKeepTheZmpInsideAndAreTheNearestThatDo) {
   int active = 0;
   int infeasible = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    ComProblem problem =
-        step_problem(0.042, -random.real(0.04, 0.08), -random.real(0.04, 0.10), random.real(0.24, 0.28));
+    ComProblem problem = step_problem(0.042, -random(0.04, 0.08), -random(0.04, 0.10), random(0.24, 0.28));
     problem.knots.insert(problem.knots.begin() + 1, {0.5, problem.p0, 1.0});
     problem.knots.insert(problem.knots.end() - 1, {2.5, problem.goal, 1.0});
-    problem.goal.x() += random.real(-0.03, 0.03);
-    problem.dp0 = Vec3(random.real(-0.05, 0.05), random.real(-0.05, 0.05), 0.0);
-    problem.margin = random.real(0.0, 0.015);
+    problem.goal.x() += random(-0.03, 0.03);
+    problem.dp0 = Vec3(random(-0.05, 0.05), random(-0.05, 0.05), 0.0);
+    problem.margin = random(0.0, 0.015);
     const Timing timing = timing_of(problem, random.integer(60, 300));
     const ComPath unbounded = com_path(problem, timing);
     const std::optional<ComPath> path = bounded.path(problem, timing);
@@ -318,7 +309,7 @@ TEST(ComPlan, AnOffsetDrivesTheComAndLeavesTheKnotsTheWholeBodys) {
   Random random(9);
   BoundedCom bounded;
   for (int trial = 0; trial < 500; ++trial) {
-    ComProblem problem = step_problem(0.042, -0.042, -random.real(0.042, 0.07));
+    ComProblem problem = step_problem(0.042, -0.042, -random(0.042, 0.07));
     problem.margin = 0.005;
     problem.knots.insert(problem.knots.begin() + 1, {0.5, problem.p0, 1.0});
     problem.knots.insert(problem.knots.end() - 1, {2.5, problem.goal, 1.0});
@@ -327,14 +318,14 @@ TEST(ComPlan, AnOffsetDrivesTheComAndLeavesTheKnotsTheWholeBodys) {
     const int corners = random.integer(2, 40);
     for (int k = 0; k <= corners; ++k) {
       offset.times.push_back(timing.duration() * k / corners);
-      offset.values.emplace_back(random.real(-0.01, 0.01), random.real(-0.01, 0.01), 0.0);
+      offset.values.emplace_back(random(-0.01, 0.01), random(-0.01, 0.01), 0.0);
     }
     const std::optional<ComPath> path = bounded.path(problem, timing, offset);
     ASSERT_TRUE(path.has_value()) << trial;
     ASSERT_LT((path->at(timing.duration()).p - problem.goal).norm(), 1e-6);
     ASSERT_LT(path->at(timing.duration()).dp.norm(), 1e-5);
     for (int k = 0; k < 20; ++k) {
-      const double t = random.real(0.0, timing.duration());
+      const double t = random(0.0, timing.duration());
       const ComState x = path->at(t);
       ASSERT_LT((x.ddp - kOmega * kOmega * (x.p - (x.v - offset.at(t)))).norm(), 1e-9);
     }
@@ -348,9 +339,9 @@ TEST(ComPlan, TheDurationIsTheFirstThatFits) {
   int given_up = 0;
   int corrected = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    ComProblem problem = step_problem(0.042, -random.real(0.04, 0.08), -random.real(0.04, 0.12));
-    problem.margin = random.real(0.0, 0.03);
-    const double last = random.real(0.8, 3.0);
+    ComProblem problem = step_problem(0.042, -random(0.04, 0.08), -random(0.04, 0.12));
+    problem.margin = random(0.0, 0.03);
+    const double last = random(0.8, 3.0);
     const ComPlan plan = correct_duration(problem, 0.5, 0.1, last, kPeriod);
     ASSERT_GE(plan.tried, 1);
     const auto fits = [&](int tries) {

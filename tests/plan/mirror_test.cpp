@@ -14,7 +14,7 @@
 #include "baton/guide/guide.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/plan/planner.hpp"
-#include "tests/guide/random_command.hpp"
+#include "tests/guide/commands.hpp"
 #include "tests/support/mirror.hpp"
 #include "tests/verify/sample_motions.hpp"
 

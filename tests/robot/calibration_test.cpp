@@ -5,38 +5,26 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <random>
 
 #include "baton/model/error.hpp"
 #include "baton/robot/calibrated_robot.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/temp.hpp"
 
 namespace baton {
 namespace {
 
+using test::Random;
 using testing::AllOf;
 using testing::HasSubstr;
-
-class Random {
- public:
-  explicit Random(unsigned seed) : random_(seed) {}
-  double operator()(double bound) { return std::uniform_real_distribution<double>(-bound, bound)(random_); }
-  Vec3 vector(double bound) { return {(*this)(bound), (*this)(bound), (*this)(bound)}; }
-  VecX vector(int n, double bound) {
-    return VecX::NullaryExpr(n, [&](Eigen::Index) { return (*this)(bound); });
-  }
-
- private:
-  std::mt19937 random_;
-};
 
 Calibration drawn(const RobotModel& robot, Random& random) {
   Calibration c;
   c.encoder_zero = random.vector(robot.nv() - 6, 0.05);
   c.imu_mount = random.vector(2, 0.05);
   for (const Side side : kSides) {
-    c.force_gain[side] = 1.0 + random(0.3);
+    c.force_gain[side] = 1.0 + random(-0.3, 0.3);
     c.force_zero[side] = random.vector(0.2 * robot.mass() * kGravity);
   }
   return c;
@@ -44,7 +32,7 @@ Calibration drawn(const RobotModel& robot, Random& random) {
 
 Measurement measured(int joints, Random& random) {
   Measurement m;
-  m.t = random(9.0);
+  m.t = random(-9.0, 9.0);
   m.q = random.vector(joints, 2.0);
   m.dq = random.vector(joints, 5.0);
   m.torque = random.vector(joints, 3.0);

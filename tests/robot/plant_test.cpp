@@ -11,27 +11,16 @@
 #include "baton/robot/backlash.hpp"
 #include "baton/robot/simulated_robot.hpp"
 #include "baton/run/simulation.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
 namespace {
 
+using test::Random;
 using testing::HasSubstr;
 
 constexpr double kStep = 0.001;  ///< of physics [s]
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
-  Vec3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-  /// Horizontal, of this length.
-  Vec3 horizontal(double length) { return length * rotation_z((*this)(-M_PI, M_PI)).col(0); }
-  Pose on_the_floor() { return {Vec3((*this)(-2, 2), (*this)(-2, 2), 0.0), rotation_z((*this)(-M_PI, M_PI))}; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// Mean and standard deviation of what was added.
 class Statistics {
@@ -186,7 +175,7 @@ TEST_P(PlantTest, APushIsThatMuchMomentum) {
   std::vector<Vec3> impulses;
   std::vector<SimulatedRobot> pushed;
   for (int k = 0; k < 4; ++k) {
-    impulses.push_back(random_.horizontal(random_(0.3, 1.0) * most));
+    impulses.push_back(random_(0.3, 1.0) * most * random_.direction());
     Plant plant = ice;
     plant.pushes = {{0.0201, 0.05, impulses.back()}};
     pushed.push_back(make(plant));
@@ -481,7 +470,7 @@ TEST_P(PlantTest, FrictionAndSoftnessAreTheSoles) {
 TEST_P(PlantTest, TheGroundIsTurnedAboutTheStartAndTheRobotWithIt) {
   for (int trial = 0; trial < 5; ++trial) {
     Plant plant;
-    plant.tilt = random_.horizontal(random_(0.01, 0.1));
+    plant.tilt = random_(0.01, 0.1) * random_.direction();
     const Mat3 tilt = rotation_exp(plant.tilt);
     const Posture start = stand(robot_, random_.on_the_floor(), size_);
     SimulatedRobot body(robot_, world_, start, period_, with(plant));
@@ -527,7 +516,7 @@ TEST_P(PlantTest, EverythingInTheWorldIsTurnedTogether) {
 TEST_P(PlantTest, ItStandsOnTiltedGround) {
   for (int trial = 0; trial < 3; ++trial) {
     Plant plant;
-    plant.tilt = random_.horizontal(0.045);
+    plant.tilt = 0.045 * random_.direction();
     Simulation simulation(robot_, world_, Simulation::On::sim, {.physics = with(plant)});
     Session& session = simulation.session();
     const Pose ground = pose_of_geom(*simulation.simulated(),

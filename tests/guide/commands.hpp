@@ -1,4 +1,4 @@
-/// Commands at random.
+/// Commands: at random, and of one axis.
 #pragma once
 
 #include <random>
@@ -15,6 +15,13 @@ inline Command random_command(std::mt19937_64& random) {
   for (double& axis : command.axes)
     axis = random() % 3 == 0 ? 0.0 : unit(random);
   command.lift = {random() % 2 == 0 ? 0.0 : unit(random), random() % 2 == 0 ? 0.0 : unit(random)};
+  return command;
+}
+
+/// One axis of a part deflected, all others centred.
+inline Command push(Part part, int axis, double value = 1.0) {
+  Command command{.guide = part};
+  command.axes[axis] = value;
   return command;
 }
 
