@@ -446,6 +446,23 @@ TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
   }
 }
 
+TEST_P(PlantTest, StiffServosThatLagStandStill) {
+  const RobotModel stiff = with_drive(robot_, Drive::stiff);
+  Simulation::Parameters parameters;
+  const ActuatorErrors& errors = stiff.profile().actuators;
+  parameters.physics.plant.actuators = {
+      .held_targets = true, .differenced_speeds = true, .speed_filter = errors.speed_filter, .lag = errors.lag};
+  Simulation simulation(stiff, world_, Simulation::On::sim, parameters);
+  const double weight = stiff.mass() * kGravity;
+  while (simulation.session().t() < 4.0) {
+    simulation.session().step(Command{});
+    if (simulation.session().t() < 2.0) continue;
+    const Measurement m = simulation.simulated()->read();
+    for (const Side side : kSides)
+      ASSERT_NEAR(m.sole[side].force.z(), 0.5 * weight, 0.2 * weight) << simulation.session().t();
+  }
+}
+
 TEST_P(PlantTest, FrictionAndSoftnessAreTheSoles) {
   Plant plant;
   plant.friction = 0.37;
