@@ -28,10 +28,10 @@ constexpr std::array<std::string_view, 7> kKeys{"t", "guide", "axes", "lift", "r
 class Line {
  public:
   Line(std::string_view text, std::string place) : place_(std::move(place)) {
-    constexpr int kDeepest = 4;
+    constexpr int kDeepestLine = 4;
     std::set<std::string> keys;
     const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
-      if (depth > kDeepest) throw InputError(fmt::format("{}: brackets nested too deeply", place_));
+      if (depth > kDeepestLine) throw InputError(fmt::format("{}: brackets nested too deeply", place_));
       if (depth == 1 && event == Json::parse_event_t::key && !keys.insert(value.get<std::string>()).second) {
         throw InputError(fmt::format("{}: {} appears twice", place_, shown(value)));
       }

@@ -20,8 +20,8 @@ TEST(ReproduceFig8, ShowsDurationCorrection) {
   const auto out = std::filesystem::path(test::temp_folder()) / "baton_fig8" / "new";
   std::filesystem::remove_all(out);
   ASSERT_EQ(app::run({"reproduce", "fig8", "--out", out.string()}), app::kDone);
-  const auto json = nlohmann::json::parse(std::ifstream(out / "fig8.json"));
-  const auto& segments = json.at("segments");
+  const auto figure = nlohmann::json::parse(std::ifstream(out / "fig8.json"));
+  const auto& segments = figure.at("segments");
   ASSERT_EQ(segments.size(), 2u);
   EXPECT_NEAR(segments[0].at("T").get<double>(), 0.5, 1e-9);
   EXPECT_NEAR(segments[1].at("T").get<double>(), 1.0, 1e-9);
@@ -29,7 +29,7 @@ TEST(ReproduceFig8, ShowsDurationCorrection) {
   expect_knots(segments[1].at("knots_y"), {-0.0468, 0.0068, 0.0215, -0.0563});
   for (const auto& segment : segments)
     EXPECT_TRUE(segment.at("verified").get<bool>());
-  const auto& uncorrected = json.at("uncorrected");
+  const auto& uncorrected = figure.at("uncorrected");
   EXPECT_NEAR(uncorrected.at("T").get<double>(), 0.5, 1e-9);
   expect_knots(uncorrected.at("knots_y"), {-0.0384, -0.0007, -0.0018, -0.0617});
   EXPECT_NEAR(uncorrected.at("zmp_outside_m").get<double>(), 0.0078, 1e-3);

@@ -194,8 +194,8 @@ TEST(Script, AnyTextIsTakenOrRefusedInOneLine) {
       ":", "null", "1e400", "true", "t",  "\"t\":", "guide", "\\u0000", "\\ud800", "\xc3", std::string(1, '\0')};
   std::mt19937_64 random(3);
   int taken = 0;
-  constexpr int kTrials = 20000;
-  for (int trial = 0; trial < kTrials; ++trial) {
+  constexpr int kLines = 20000;
+  for (int trial = 0; trial < kLines; ++trial) {
     std::string text = good;
     for (std::uint64_t change = random() % 2 + 1; change > 0; --change) {
       const std::size_t at = random() % text.size();
@@ -228,8 +228,8 @@ TEST(Script, AnyTextIsTakenOrRefusedInOneLine) {
       ASSERT_LE(sanitised(command).axes.cwiseAbs().maxCoeff(), 1.0);
     }
   }
-  EXPECT_GT(taken, kTrials / 100);
-  EXPECT_LT(taken, kTrials);
+  EXPECT_GT(taken, kLines / 100);
+  EXPECT_LT(taken, kLines);
 }
 
 }  // namespace
