@@ -36,7 +36,6 @@ struct ActuatorErrors {
   double delay = 0.0;               ///< between sending a joint target and its arrival at the servos [s]
   bool held_targets = false;        ///< servos jump to the target of a tick instead of moving there during the tick
   bool differenced_speeds = false;  ///< servos damp by differences of their encoder readings, not by the true speed
-  double speed_filter = 0.003;      ///< time constant of the low-pass of those differences [s]
   double lag = 0.0;                 ///< time constant of the motor torque [s]
   double friction = 0.0;            ///< dry friction of a joint, share of its stall torque
   double backlash = 0.0;            ///< play of a joint to each side, between motor with encoder and link [rad]

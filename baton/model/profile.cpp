@@ -81,7 +81,6 @@ ActuatorErrors actuator_errors(const TomlReader& read) {
   e.delay = read.number_or("actuators.delay", 0, 0.1, 0.0);
   e.held_targets = read.flag_or("actuators.held_targets", true);
   e.differenced_speeds = read.flag_or("actuators.differenced_speeds", true);
-  e.speed_filter = read.number_or("actuators.speed_filter", 1e-4, 0.1, 0.003);
   e.lag = read.number_or("actuators.lag", 0, 0.1, 0.002);
   e.friction = read.number_or("actuators.friction", 0, 0.5, 0.05);
   e.backlash = read.number_or("actuators.backlash", 0, 0.1, 0.25 * kDegree);

@@ -122,7 +122,6 @@ void add(ActuatorErrors& to, const ActuatorErrors& errors, const Share& share) {
     to.*field += share() * errors.*field;
   to.held_targets |= errors.held_targets && share() > 0.0;
   to.differenced_speeds |= errors.differenced_speeds && share() > 0.0;
-  to.speed_filter = errors.speed_filter;
 }
 
 template <typename Share>
@@ -261,7 +260,6 @@ const Scenario& scenario_named(const std::string& name) {
 Plant plant_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed, double times, const Plant& base) {
   Plant plant = base;
   plant.seed = mixed_seed(seed, 78);
-  plant.actuators.speed_filter = robot.profile().actuators.speed_filter;
   plant.tile_side = Plant{}.tile_side * robot.profile().stance.com_height / kHeight;
   Draw draw{robot, scenario, seed, times};
   if (scenario.deviate != nullptr) scenario.deviate(plant, draw);
@@ -310,14 +308,10 @@ std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& rob
 RobotModel with_drive(const RobotModel& robot, Drive drive) {
   Profile profile = robot.profile();
   if (drive == Drive::stiff && profile.drive != Drive::stiff) {
-    // Servos that are as well damped and as far from instability: all their time constants shrink alike.
-    const double faster = std::sqrt(kStiff);
     for (auto& [name, gains] : profile.gains) {
       gains.kp *= kStiff;
-      gains.kd *= faster;
+      gains.kd *= std::sqrt(kStiff);  // as well damped
     }
-    profile.actuators.lag /= faster;
-    profile.actuators.speed_filter /= faster;
   }
   profile.drive = drive;
   return RobotModel(std::move(profile));

@@ -53,8 +53,8 @@ struct Scenario {
 /// The stick of a run in this scenario; read it once per tick.
 [[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
-/// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff and √kStiff times
-/// as fast: as well damped, and with that much less lag.
+/// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff and as
+/// well damped as they were.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
 inline constexpr double kStiff = 8.0;
 

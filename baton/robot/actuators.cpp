@@ -6,7 +6,8 @@
 namespace baton {
 namespace {
 
-constexpr double kRounding = 1e-9;  ///< tolerance for accumulated time steps [s]
+constexpr double kRounding = 1e-9;    ///< tolerance for accumulated time steps [s]
+constexpr double kSpeedTime = 0.003;  ///< low-pass of a servo's differenced speed [s]
 
 }  // namespace
 
@@ -40,7 +41,7 @@ Actuators::Torque Actuators::torque(std::size_t joint, double q, double dq) {
   Servo& servo = servos_[joint];
   const bool begins = !std::exchange(servo.runs, true);
   if (errors_.differenced_speeds) {
-    if (!begins) servo.dq += -std::expm1(-timestep_ / errors_.speed_filter) * ((q - servo.q) / timestep_ - servo.dq);
+    if (!begins) servo.dq += -std::expm1(-timestep_ / kSpeedTime) * ((q - servo.q) / timestep_ - servo.dq);
     servo.q = q;
     dq = servo.dq;
   }

@@ -218,14 +218,11 @@ delay = 0.012
 differenced_speeds = false
 [actuators]
 backlash = 0
-speed_filter = 0.001
 )"));
   EXPECT_EQ(own.sensors.delay, 0.012);
   EXPECT_FALSE(own.sensors.differenced_speeds);
   EXPECT_EQ(own.sensors.jitter, moderate.sensors.jitter);
   EXPECT_EQ(own.actuators.backlash, 0.0);
-  EXPECT_EQ(moderate.actuators.speed_filter, 0.003);
-  EXPECT_EQ(own.actuators.speed_filter, 0.001);
   EXPECT_EQ(own.actuators.lag, moderate.actuators.lag);
   EXPECT_THAT(complaint(with("[sensors]\ndelay = -1\n")), AllOf(HasSubstr("sensors.delay = -1"), HasSubstr("0.1")));
   EXPECT_THAT(complaint(with("[actuators]\nheld_targets = 1\n")),

@@ -449,9 +449,8 @@ TEST_P(PlantTest, DrivesDifferInWhatTheyMakeOfATorque) {
 TEST_P(PlantTest, StiffServosThatLagStandStill) {
   const RobotModel stiff = with_drive(robot_, Drive::stiff);
   Simulation::Parameters parameters;
-  const ActuatorErrors& errors = stiff.profile().actuators;
   parameters.physics.plant.actuators = {
-      .held_targets = true, .differenced_speeds = true, .speed_filter = errors.speed_filter, .lag = errors.lag};
+      .held_targets = true, .differenced_speeds = true, .lag = stiff.profile().actuators.lag};
   Simulation simulation(stiff, world_, Simulation::On::sim, parameters);
   const double weight = stiff.mass() * kGravity;
   while (simulation.session().t() < 4.0) {
