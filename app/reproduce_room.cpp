@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kSnapshots = 8;
 constexpr double kPatience = 110.0;  ///< after which the door counts as not reached [s]
-constexpr double kGoOn = 2.0;        ///< time the run continues after the door was reached, the stick centred [s]
+constexpr double kAtDoor = 2.0;      ///< time the run continues after the door was reached, the stick centred [s]
 
 /// Data of a run for the figures, in the world frame.
 struct Loci {
@@ -128,7 +128,7 @@ int reproduce_room(const RobotModel& robot, const SimulatedRobot::Parameters& ph
   const auto wall = std::chrono::steady_clock::now();
   long tick = 0;
   const auto over = [&] {
-    return session.t() >= kPatience || (reached_at >= 0.0 && session.t() >= reached_at + kGoOn);
+    return session.t() >= kPatience || (reached_at >= 0.0 && session.t() >= reached_at + kAtDoor);
   };
   while (!over() && !session.fallen() && !interrupted) {
     const Command command = reached_at < 0.0 ? person.decide(session.view()) : Command{.guide = last.guide};

@@ -13,7 +13,7 @@ constexpr double kErrorsLast =
     10.0;                           ///< time for which its errors last, as the robot settles into its joints' play [s]
 constexpr double kLeastRest = 0.8;  ///< shortest rest that counts [s]
 constexpr double kCreep = 1e-4;     ///< standard deviation of the rate at which resting soles creep [rad/s]
-constexpr double kLongest = 60.0;   ///< longest time for which a drift is taken to have lasted [s]
+constexpr double kLongestDrift = 60.0;  ///< longest time for which a drift is taken to have lasted [s]
 constexpr double kCarriesAlone = 0.9;   ///< share of the load from which a sole does not twist
 constexpr double kLargestDrift = 0.05;  ///< largest drift [rad/s]
 constexpr double kSlips = 1.0;          ///< yaw rate of a sole from which it slips [rad/s]
@@ -52,7 +52,7 @@ void YawDrift::update(const BySide<double>& yaw, const SoleContact& contact, con
     line_ = {};
     if (alone && !slips && !rests && std::abs(planned.dq[5]) < kTurning) walk(turned);
   }
-  since_ = std::min(since_ + period_, kLongest);
+  since_ = std::min(since_ + period_, kLongestDrift);
   error_ += period_ * rate_;
 }
 

@@ -21,7 +21,7 @@ using test::Scratch;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kWay = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
+const std::string kWalkForward = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
 {"t": 2}
 )";
 /// Onto the other foot.
@@ -67,9 +67,9 @@ int times(const std::string& words, const std::string& text) {
 
 TEST(Recall, RetraceGoesBackToTheStartAndIsRefusedThere) {
   const json start = drive(R"({"t": 0})", "0.1").first["final"];
-  const json there = drive(kWay, "4").first["final"];
+  const json there = drive(kWalkForward, "4").first["final"];
   EXPECT_GT(distance(start["com"], there["com"]), 0.05);
-  const auto [report, log] = drive(kWay + R"({"t": 4, "retrace": true})", "12");
+  const auto [report, log] = drive(kWalkForward + R"({"t": 4, "retrace": true})", "12");
   for (const char* part : {"left_foot", "right_foot", "left_hand", "right_hand", "trunk"})
     EXPECT_LT(distance(start[part]["p"], report["final"][part]["p"]), 1e-3) << part;
   EXPECT_EQ(report["segments"]["refused"], json({{"no_history", 1}}));
@@ -79,11 +79,11 @@ TEST(Recall, RetraceGoesBackToTheStartAndIsRefusedThere) {
 
 TEST(Recall, AFlowingWalkIsRetracedWholeFromRestToRest) {
   const json start = drive(R"({"t": 0})", "0.1").first["final"];
-  const auto [walk, ignored] = drive(kWay, "4", "shrink", "flow");
+  const auto [walk, ignored] = drive(kWalkForward, "4", "shrink", "flow");
   EXPECT_GT(distance(start["com"], walk["final"]["com"]), 0.1);
   EXPECT_GE(walk["segments"]["committed"], 4);
   // One way back, over all motions that flowed into each other.
-  const std::string back = kWay + R"({"t": 4, "retrace": true})" + "\n";
+  const std::string back = kWalkForward + R"({"t": 4, "retrace": true})" + "\n";
   const auto [report, log] = drive(back, "12", "shrink", "flow");
   for (const char* part : {"left_foot", "right_foot", "left_hand", "right_hand", "trunk"})
     EXPECT_LT(distance(start[part]["p"], report["final"][part]["p"]), 1e-3) << part;
@@ -260,9 +260,9 @@ TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
 }
 
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
-  const double there = drive(kWay, "4").first["final"]["com"][0];
+  const double there = drive(kWalkForward, "4").first["final"]["com"][0];
   const double back =
-      drive(kWay + R"({"t": 4, "retrace": true})" + "\n" + R"({"t": 4.1})", "12").first["final"]["com"][0];
+      drive(kWalkForward + R"({"t": 4, "retrace": true})" + "\n" + R"({"t": 4.1})", "12").first["final"]["com"][0];
   EXPECT_LT(back, there - 0.005);
   EXPECT_GT(back, 0.02) << "one motion back, not all of them";
 }
@@ -290,7 +290,8 @@ TEST(Recall, HomeStepsToTheStanceThatItBeganIn) {
 TEST(Recall, StopComesToRestSoonerThanLettingGo) {
   const auto resting_from = [](const std::string& stop) {
     const Scratch scratch;
-    const std::string script = scratch.write("s.jsonl", kWay + R"({"t": 3, "axes": [1, 0, 0, 0, 0, 0]})" + "\n" + stop);
+    const std::string script =
+        scratch.write("s.jsonl", kWalkForward + R"({"t": 3, "axes": [1, 0, 0, 0, 0, 0]})" + "\n" + stop);
     const Outcome outcome = run({"drive", "--on", "ideal", "--world", "flat", "--fast", "--seconds", "5", "--input",
                                  "script:" + script, "--trace", scratch.path("t.csv")});
     EXPECT_EQ(outcome.code, app::kDone) << outcome.err;

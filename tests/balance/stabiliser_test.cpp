@@ -8,16 +8,16 @@ namespace baton {
 namespace {
 
 /// Two ticks of a motion, as the navigator passes them on.
-struct Held {
+struct TwoTicks {
   MotionSample now;
   MotionSample next;
 };
 
 class StabiliserTest : public testing::TestWithParam<std::string> {
  protected:
-  const std::vector<Held>& moments() {
-    static std::map<std::string, std::vector<Held>> known;
-    std::vector<Held>& list = known[GetParam()];
+  const std::vector<TwoTicks>& moments() {
+    static std::map<std::string, std::vector<TwoTicks>> known;
+    std::vector<TwoTicks>& list = known[GetParam()];
     if (!list.empty()) return list;
     for (const VerifiedMotion& verified : test::sample_motions(GetParam())) {
       const Motion& motion = *verified;
@@ -80,7 +80,7 @@ TEST_P(StabiliserTest, WithoutErrorIsInverseDynamicsWithTheContactForces) {
   ASSERT_GT(moments().size(), 200u);
   int single = 0;
   const double weight = robot_.mass() * kGravity;
-  for (const Held& moment : moments()) {
+  for (const TwoTicks& moment : moments()) {
     const MotionSample& next = moment.next;
     stabiliser.reset();
     const JointTarget& target = stabiliser.target(moment.now, next, as_planned(moment.now));
@@ -130,7 +130,7 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
   int free = 0;
   int clamped = 0;
   int exact = 0;
-  for (const Held& moment : moments()) {
+  for (const TwoTicks& moment : moments()) {
     for (int trial = 0; trial < 5; ++trial) {
       const MotionSample& next = moment.next;
       // Position and velocity share the error as they like: only the DCM counts.
@@ -188,7 +188,7 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmIsAForceAtTheComNotAMomentAboutIt) {
   const double weight = robot_.mass() * kGravity;
   const double height = robot_.profile().stance.com_height;
   int moved = 0;
-  for (const Held& moment : moments()) {
+  for (const TwoTicks& moment : moments()) {
     const MotionSample& next = moment.next;
     stabiliser.reset();
     State state = as_planned(moment.now);
@@ -211,7 +211,7 @@ TEST_P(StabiliserTest, ATrunkThatLeansIsTurnedBackWithTheRoomThatIsLeft) {
   const double unit = robot_.mass() * kGravity * robot_.profile().stance.com_height;
   int turned = 0;
   int without_room = 0;
-  for (const Held& moment : moments()) {
+  for (const TwoTicks& moment : moments()) {
     for (const double lean : {-0.03, 0.03}) {
       for (const double error : {0.0, 1.0}) {
         stabiliser.reset();
@@ -240,7 +240,7 @@ TEST_P(StabiliserTest, ATrunkThatLeansIsTurnedBackWithTheRoomThatIsLeft) {
 
 TEST_P(StabiliserTest, AJointThatStaysBehindIsPushedByNoMoreThanVerifiedMotionsLeave) {
   Stabiliser stabiliser(robot_);
-  const Held& moment = moments().front();
+  const TwoTicks& moment = moments().front();
   const MotionSample rest = moment.now;
   const State there = as_planned(rest);
   State behind = there;
@@ -258,7 +258,7 @@ TEST_P(StabiliserTest, AJointThatStaysBehindIsPushedByNoMoreThanVerifiedMotionsL
 }
 
 TEST_P(StabiliserTest, KnowsWhatOfTheCommandedZmpTheGroundDoesNotGive) {
-  const Held& moment = moments().front();
+  const TwoTicks& moment = moments().front();
   const MotionSample& rest = moment.now;
   ASSERT_TRUE(rest.contact.left && rest.contact.right);
   const double weight = robot_.mass() * kGravity;
