@@ -7,6 +7,17 @@ namespace baton {
 namespace {
 
 // Lengths are in COM heights, forces in weights, rates in ω, times in 1/ω.
+constexpr double kHeightRate = 2.4;       ///< height of a loaded sole is followed
+constexpr double kEarlyHeightRate = 4.9;  ///< the same after early touchdown
+constexpr double kPlaceRate = 1.3;        ///< horizontal position of a loaded sole is followed
+constexpr double kTiltRate = 1.3;         ///< tilt of a loaded sole is followed
+constexpr double kSearch = 0.1;           ///< downward search while an expected contact is missing [COM height × ω]
+constexpr double kRelax = 0.16;     ///< compliance with internal force between the legs [COM height × ω per weight]
+constexpr double kUntwist = 0.33;   ///< the same with internal yaw moment [ω per weight × COM height]
+constexpr double kYieldTilt = 1.3;  ///< compliance with excess moment [ω per weight × COM height]
+constexpr double kYieldHeight = 0.033;   ///< compliance with excess vertical force [COM height × ω per weight]
+constexpr double kMomentBand = 0.04;     ///< dead band of excess moment, as error of the centre of pressure
+constexpr double kForceBand = 0.1;       ///< dead band of excess force
 constexpr double kContactLoad = 0.05;    ///< least load of a sole in contact
 constexpr double kExpectedLoad = 0.1;    ///< least planned load from which a contact is expected
 constexpr double kMissedTime = 0.107;    ///< time without an expected contact after which a sole searches downward
@@ -23,6 +34,7 @@ constexpr double kAirRate = 1.6;         ///< decay of the offset in the air
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
 constexpr double kOld = 0.066;           ///< age of measurements that halves the compliance with excess load
 constexpr double kAgeRate = 0.3;         ///< low-pass of that age
+constexpr double kStiffServo = 12.0;     ///< stiffness from which that falls [weight × COM height per rad]
 // The legs' kinematics, a numerical iteration:
 constexpr double kDamping = 1e-6;      ///< added to half of the squared error [m², rad²]
 constexpr int kMaxSteps = 4;           ///< iterations
@@ -39,40 +51,32 @@ double beyond(double v, double band) {
   return v > band ? v - band : v < -band ? v + band : 0.0;
 }
 
-}  // namespace
-
-Footing::Rates Footing::rates_for(Drive drive) {
-  Rates rates;
-  if (drive != Drive::stiff) return rates;
-  // A stiff drive takes no torque: foot admittance is the only means of balance.
-  rates.relax = 0.0;
-  rates.untwist = 0.0;
-  rates.height = 0.5;
-  rates.tilt = 0.5;
-  rates.yield_tilt = 0.5;
-  rates.yield_height = 0.016;
-  rates.yield_early = 0.16;
-  rates.early_gain = 1.0;
-  rates.moment_band = 0.0;
-  rates.force_band = 0.0;
-  return rates;
+/// Stiffness of the stiffer ankle's servo [N·m/rad].
+double ankle_stiffness(const RobotModel& robot) {
+  double stiffness = 0.0;
+  for (const Side side : kSides)
+    stiffness = std::max(stiffness, robot.joints()[static_cast<std::size_t>(robot.leg(side).back())].gains.kp);
+  return stiffness;
 }
+
+}  // namespace
 
 Footing::Footing(const RobotModel& robot)
     : robot_(&robot),
-      rates_(rates_for(robot.profile().drive)),
       period_(robot.omega() * robot.profile().tick.period),
       height_(robot.profile().stance.com_height),
       weight_(robot.mass() * kGravity),
+      softness_(std::min(1.0, kStiffServo * weight_ * height_ / ankle_stiffness(robot))),
       rows_(6, robot.nv()),
       shift_(VecX::Zero(robot.nv() - 6)),
       shifted_(VecX::Zero(robot.nv() + 1)) {}
 
 void Footing::follow(const MotionSample& now, const MotionSample& next, const State& state,
                      const BySide<Wrench>& wanted) {
-  // Admittance is an integrator around the servos' stiffness: what is stable is inversely proportional to the delay.
+  // Admittance is an integrator around the servos' stiffness: what is stable is inversely proportional to that, and to
+  // the delay.
   age_ += share_of(kAgeRate) * (state.age * robot_->omega() - age_);
-  compliance_ = 1.0 / (1.0 + age_ / kOld);
+  compliance_ = softness_ / (1.0 + age_ / kOld);
   BySide<double> carries;
   for (const Side side : kSides) {
     const double load = state.force[side].force.z() / weight_;
@@ -90,7 +94,7 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
     } else if (missing_time_[side] > kMissedTime) {
       // The terrain is lower than planned.
       double& z = offset_[side].p.z();
-      z = std::max(z - share_of(rates_.late) * height_, -kMaxHeight * height_);
+      z = std::max(z - share_of(kSearch) * height_, -kMaxHeight * height_);
     } else if (!now.contact[side]) {
       // In the air: back to the plan, tilted like the terrain.
       Offset& offset = offset_[side];
@@ -109,8 +113,8 @@ void Footing::relax(const State& state, const BySide<Wrench>& wanted) {
   const Vec2 apart = 0.5 * force.head<2>() / weight_;
   const double against = 0.5 * twist / (weight_ * height_);
   for (const Side side : kSides) {
-    offset_[side].p.head<2>() += sign_of(side) * share_of(compliance_ * rates_.relax) * height_ * apart;
-    offset_[side].turn.z() += sign_of(side) * share_of(compliance_ * rates_.untwist) * against;
+    offset_[side].p.head<2>() += sign_of(side) * share_of(compliance_ * kRelax) * height_ * apart;
+    offset_[side].turn.z() += sign_of(side) * share_of(compliance_ * kUntwist) * against;
   }
 }
 
@@ -119,17 +123,16 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   Offset& offset = offset_[side];
   const Wrench& force = state.force[side];
   const bool early = !now.contact[side];
-  if (early) carries = std::max(carries, rates_.early_gain);
   const Vec3 off = beyond(Vec3(state.sole[side].p - now.sole[side].p), kPlaceBand * height_);
-  offset.p.z() += carries * share_of(early ? rates_.height_early : rates_.height) * (off.z() - offset.p.z());
-  offset.p.head<2>() += carries * share_of(rates_.place) * (off.head<2>() - offset.p.head<2>());
+  offset.p.z() += carries * share_of(early ? kEarlyHeightRate : kHeightRate) * (off.z() - offset.p.z());
+  offset.p.head<2>() += carries * share_of(kPlaceRate) * (off.head<2>() - offset.p.head<2>());
 
   // Admittance: comply with excess force and moment.
   const double heavier = (force.force.z() - wanted.force.z()) / weight_;
-  const double yields = share_of(compliance_ * (early ? rates_.yield_early : rates_.yield_height)) * height_;
-  offset.p.z() += carries * yields * beyond(heavier, rates_.force_band);
+  const double yields = share_of(compliance_ * kYieldHeight) * height_;
+  offset.p.z() += carries * yields * beyond(heavier, kForceBand);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
-  const double band = rates_.moment_band * force.force.z() / weight_;
+  const double band = kMomentBand * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);
   Tipping& tipping = tipping_[side];
   tipping.duration = tips.dot(tipping.moment) > 0.0 ? tipping.duration + period_ : 0.0;
@@ -137,7 +140,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   // Terrain under the whole sole would have balanced a moment that lasts so long: the sole tips on an edge. The state
   // is kept in the air until the sole lands.
   const double faster = std::clamp(tipping.duration / kTippingTime, 1.0, kMaxTippingGain);
-  offset.turn.head<2>() += carries * share_of(compliance_ * rates_.yield_tilt) * faster * tips;
+  offset.turn.head<2>() += carries * share_of(compliance_ * kYieldTilt) * faster * tips;
 
   // A sole that tips over its edge tells nothing about the terrain.
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;
@@ -145,7 +148,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   if (robot_->sole(side).margin(pressure) > kFlatMargin * height_) {
     const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
     const Vec2 inclined = beyond(turned, kTiltBand);
-    offset.turn.head<2>() += carries * share_of(rates_.tilt) * (inclined - offset.turn.head<2>());
+    offset.turn.head<2>() += carries * share_of(kTiltRate) * (inclined - offset.turn.head<2>());
     floor_tilt_ = bounded(Vec2(floor_tilt_ + carries * share_of(kFloorRate) * (inclined - floor_tilt_)), kMaxTurn);
   }
   offset.p.z() = std::clamp(offset.p.z(), -kMaxHeight * height_, kMaxHeight * height_);

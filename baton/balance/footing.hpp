@@ -31,23 +31,6 @@ class Footing {
   [[nodiscard]] const BySide<Offset>& offset() const { return offset_; }
 
  private:
-  /// Gains and rates [ω]; lengths in COM heights and forces in weights, unless noted.
-  struct Rates {
-    double height = 2.4;          ///< height of a loaded sole
-    double height_early = 4.9;    ///< the same after early touchdown
-    double early_gain = 0.0;      ///< lower bound of the gain by load, after early touchdown [-]
-    double late = 0.1;            ///< downward search speed while an expected contact is missing [COM height × ω]
-    double place = 1.3;           ///< horizontal position of a loaded sole
-    double tilt = 1.3;            ///< tilt of a loaded sole
-    double relax = 0.16;          ///< compliance with internal force between the legs [COM height × ω per weight]
-    double untwist = 0.33;        ///< the same with internal yaw moment [ω per weight × COM height]
-    double yield_tilt = 1.3;      ///< compliance with excess moment [ω per weight × COM height]
-    double yield_height = 0.033;  ///< compliance with excess vertical force [COM height × ω per weight]
-    double yield_early = 0.033;   ///< the same after early touchdown: landing compliance
-    double moment_band = 0.04;    ///< dead band of excess moment, as error of the centre of pressure [COM height]
-    double force_band = 0.1;      ///< dead band of excess force [weight]
-  };
-  [[nodiscard]] static Rates rates_for(Drive drive);
   /// Fraction of an error that is corrected in one tick, for a rate in ω.
   [[nodiscard]] double share_of(double rate) const { return std::min(1.0, period_ * rate); }
   /// Updates the offset of a sole that is loaded.
@@ -73,10 +56,10 @@ class Footing {
   [[nodiscard]] double trunk_drop(Side side, const Kinematics& kinematics) const;
 
   const RobotModel* robot_;
-  Rates rates_;
-  double period_;  ///< [1/ω]
-  double height_;  ///< nominal COM height [m]
-  double weight_;  ///< [N]
+  double period_;    ///< [1/ω]
+  double height_;    ///< nominal COM height [m]
+  double weight_;    ///< [N]
+  double softness_;  ///< factor on the compliance with excess load, less than 1 with stiff servos
   JacobianRows rows_;
   VecX shift_;    ///< latest change of the joint angles (n) [rad]
   VecX shifted_;  ///< planned configuration with that change (nq)

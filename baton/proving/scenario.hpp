@@ -56,7 +56,7 @@ struct Scenario {
 /// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff and as
 /// well damped as they were.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
-inline constexpr double kStiff = 8.0;
+inline constexpr double kStiff = 4.0;  // more would bring servos that lag near instability (docs/balance.md)
 
 /// The drive of the robot in this scenario.
 [[nodiscard]] Drive drive_of(const Scenario& scenario, const RobotModel& robot);

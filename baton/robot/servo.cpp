@@ -7,15 +7,18 @@ namespace baton {
 ServoCommand servo_command(const RobotModel& robot, std::size_t joint, const JointTarget& target, double to_end) {
   const auto i = static_cast<Eigen::Index>(joint);
   const double shift = i < target.q_correction.size() ? target.q_correction[i] : 0.0;
+  const Profile::Gains& gains = robot.joints()[joint].gains;
   ServoCommand command{target.q[i] + shift - to_end * target.dq[i], target.dq[i], 0.0};
   switch (robot.profile().drive) {
     case Drive::torque:
       command.tau = target.tau[i];
       break;
     case Drive::pd:
-      command.q += target.tau[i] / robot.joints()[joint].gains.kp;
+      command.q += target.tau[i] / gains.kp;
       break;
     case Drive::stiff:
+      command.q += (target.tau[i] + gains.kd * target.dq[i]) / gains.kp;
+      command.dq = 0.0;
       break;
   }
   return command;

@@ -3,16 +3,16 @@
 /// A servo runs faster than the tick and interpolates. A target holds for the end of the tick; `to_end` seconds earlier
 /// the desired angle is q + s − to_end·q̇, where s is the balance correction. So
 ///
-///     q_cmd = q + s − to_end·q̇ + q_fold         [rad]
-///     τ     = τ_cmd + kp (q_cmd − q_m) + kd (q̇ − q̇_m)   [N·m]
+///     q_cmd = q + s − to_end·q̇ + q_fold                    [rad]
+///     τ     = τ_cmd + kp (q_cmd − q_m) + kd (q̇_cmd − q̇_m)   [N·m]
 ///
 /// with the measured angle q_m and speed q̇_m. The drive decides how the feed-forward torque τ_ff is applied:
 ///
-/// | drive    | τ_cmd | q_fold    |
-/// |----------|-------|-----------|
-/// | `torque` | τ_ff  | 0         |
-/// | `pd`     | 0     | τ_ff / kp |
-/// | `stiff`  | 0     | 0         |
+/// | drive    | τ_cmd | q̇_cmd | q_fold             |
+/// |----------|-------|-------|--------------------|
+/// | `torque` | τ_ff  | q̇     | 0                  |
+/// | `pd`     | 0     | q̇     | τ_ff / kp          |
+/// | `stiff`  | 0     | 0     | (τ_ff + kd q̇) / kp |
 ///
 /// A robot with servos of its own receives the `ServoCommand`; a simulator also needs `servo_torque` and
 /// `motor_torque`.
@@ -26,7 +26,7 @@ namespace baton {
 /// Command to the servo of one joint.
 struct ServoCommand {
   double q = 0.0;    ///< angle, including q_fold [rad]
-  double dq = 0.0;   ///< speed [rad/s]
+  double dq = 0.0;   ///< speed; zero if the drive takes none [rad/s]
   double tau = 0.0;  ///< feed-forward torque τ_cmd; zero if the drive takes none [N·m]
 };
 

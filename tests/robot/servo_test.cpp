@@ -70,7 +70,7 @@ TEST_P(ServoTest, AJointThatIsWhereItShallBeGetsTheTorqueThatItIsTold) {
     const Case c = draw();
     EXPECT_NEAR(torque(torque_, c, due(c), speed(c)), told(c), tolerance(c));
     EXPECT_NEAR(torque(pd_, c, due(c), speed(c)), told(c), tolerance(c));
-    EXPECT_NEAR(torque(stiff_, c, due(c), speed(c)), 0.0, tolerance(c));
+    EXPECT_NEAR(torque(stiff_, c, due(c), speed(c)), told(c), tolerance(c));
   }
 }
 
@@ -81,7 +81,16 @@ TEST_P(ServoTest, AnErrorIsAnsweredByStiffnessAndDamping) {
     const double answer = gains.kp * (due(c) - c.q) + gains.kd * (speed(c) - c.dq);
     EXPECT_NEAR(torque(torque_, c, c.q, c.dq), told(c) + answer, tolerance(c));
     EXPECT_NEAR(torque(pd_, c, c.q, c.dq), told(c) + answer, tolerance(c));
-    EXPECT_NEAR(torque(stiff_, c, c.q, c.dq), answer, tolerance(c));
+    EXPECT_NEAR(torque(stiff_, c, c.q, c.dq), told(c) + answer, tolerance(c));
+  }
+}
+
+TEST_P(ServoTest, AStiffDriveIsToldAnAngleAlone) {
+  for (int i = 0; i < kCases; ++i) {
+    const Case c = draw();
+    const ServoCommand command = servo_command(stiff_, c.joint, c.target, c.to_end);
+    EXPECT_EQ(command.dq, 0.0);
+    EXPECT_EQ(command.tau, 0.0);
   }
 }
 
@@ -102,7 +111,7 @@ TEST_P(ServoTest, TheAngleMovesAtTheSpeedAndIsThereWhenTheTickEnds) {
     for (const RobotModel* robot : {&torque_, &pd_, &stiff_}) {
       const ServoCommand now = servo_command(*robot, c.joint, c.target, c.to_end);
       const ServoCommand end = servo_command(*robot, c.joint, c.target, 0.0);
-      EXPECT_NEAR(now.q + c.to_end * now.dq, end.q, 1e-12);
+      EXPECT_NEAR(now.q + c.to_end * speed(c), end.q, 1e-12);
       EXPECT_EQ(now.dq, end.dq);
       EXPECT_EQ(now.tau, end.tau);
     }
