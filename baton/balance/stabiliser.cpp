@@ -13,6 +13,8 @@ constexpr double kAttitude = 2.0;      ///< moment by the trunk's attitude error
 constexpr double kTrunkRate = 1.0;     ///< moment by its rate error [weight × COM height per ω]
 constexpr double kOffsetFirst = 1.2;   ///< low-pass of the COM offset at first [1/ω]
 constexpr double kOffsetTime = 12.0;   ///< the same at last
+constexpr double kSettling = 3.0;      ///< longest time for which it is found, after a start [1/ω]
+constexpr double kSettled = 0.03;      ///< error of the ZMP up to which it is found [COM height]
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
 constexpr double kOffsetBand = 0.01;   ///< dead band of the COM offset [COM height]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
@@ -104,6 +106,7 @@ void Stabiliser::update_com_offset(const MotionSample& now, const Vec2& measured
   averaged_ = std::min(averaged_ + period, kOffsetTime);
   const Eigen::Rotation2Dd heading(mean_yaw(now.sole));
   const Vec2 off = heading.inverse() * (measured - now.zmp);
+  correction_.settling = averaged_ < kOffsetFirst + kSettling && (off - steady_zmp_).norm() > kSettled * height;
   steady_zmp_ = bounded(Vec2(steady_zmp_ + follows * (off - steady_zmp_)), kMostOffset * height);
   const double size = steady_zmp_.norm();
   const double band = kOffsetBand * height;

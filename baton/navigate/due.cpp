@@ -101,7 +101,7 @@ std::optional<Request> Requests::due() const {
     if (!stops && replaceable(at)) due = this->on_the_way(at);
   } else if (cools) {
     due = cooling();
-  } else if (!both_stand(course_.rest().contact) || (!stops && !command.neutral())) {
+  } else if (!now_.correction.settling && (!both_stand(course_.rest().contact) || (!stops && !command.neutral()))) {
     due = from_rest(command);
   }
   if (!due || (!catches && !cools && refused_here(due->start.context.anchor))) return std::nullopt;

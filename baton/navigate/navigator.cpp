@@ -124,6 +124,7 @@ bool Navigator::valid(const Answer& answer) const {
   if (watch_.guard() != Guard::armed) return false;
   const bool ordinary = !urgent(answer);
   if (watch_.disturbed() && ordinary) return false;  // pushed meanwhile
+  if (motion() == nullptr && correction().settling && ordinary) return false;
   // Let go of meanwhile: the motion under way ends at rest.
   if (ordinary && (exchange_.countered || (motion() != nullptr && command_.neutral()))) return false;
   const Motion* next = answer.motion();

@@ -300,10 +300,16 @@ TEST_P(StabiliserTest, LearnsTheComOffsetFastAtFirstAndSlowlyLater) {
       return stabiliser.correction().com_offset;
     };
     live(1, Vec2::Zero());
+    EXPECT_FALSE(stabiliser.correction().settling);
+    live(1, off);
+    EXPECT_TRUE(stabiliser.correction().settling);
     EXPECT_LT((live(moment, off) - off).norm(), 0.6 * off.norm());
+    live(moment, off);
+    EXPECT_FALSE(stabiliser.correction().settling) << "no longer than that, whatever the offset does";
     stabiliser.reset();
     live(20 * moment, Vec2::Zero());
     EXPECT_LT(live(moment, off).norm(), 0.2 * off.norm());
+    EXPECT_FALSE(stabiliser.correction().settling);
   }
 }
 

@@ -56,6 +56,22 @@ TEST_P(EpisodeInClutter, NothingGoesWrong) {
   }
 }
 
+/// Servos that are far stiffer than their lag bears shake so that the robot balances and begins nothing any more.
+TEST(Episode, EndsWhenARobotDoesNotBeginToRetrace) {
+  Profile profile = test::robot("mighty").profile();
+  profile.drive = Drive::stiff;
+  for (auto& [name, gains] : profile.gains)
+    gains.kp *= 45.0;
+  const RobotModel robot(std::move(profile));
+  const World flat = World::load("flat");
+  const std::atomic<bool> stop{false};
+  Trial shaking = trial(Simulation::On::sim, 3, 6.0);
+  shaking.real = true;
+  const Tally tally = Episodes(robot, flat, shaking).run(0, stop).tally;
+  ASSERT_EQ(tally.bad, (std::map<std::string, long>{{"frozen", 1}}));
+  EXPECT_GT(tally.listed.front().t, 20.0);
+}
+
 TEST(Episode, KnowsWhenNothingGoesAnyMore) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");

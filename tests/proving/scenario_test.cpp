@@ -209,6 +209,23 @@ TEST(Scenario, WhatIsConstantlyOffDoesNotStopMighty) {
   }
 }
 
+/// A stick that is held from the start on: a foot lifted after 60 ms, once, before the payload was known.
+TEST(Scenario, MightyLiftsNoFootBeforeItKnowsWhatItCarries) {
+  const World flat = World::load("flat");
+  const std::atomic<bool> stop{false};
+  Trial trial;
+  trial.on = Simulation::On::sim;
+  trial.seed = 8000;
+  trial.seconds = 3.0;
+  trial.scenario = &scenario_named("payload");
+  trial.times = 2.0;
+  for (const long episode : {3, 44}) {
+    const EpisodeResult result = Episodes(test::robot("mighty"), flat, trial).run(episode, stop);
+    EXPECT_EQ(result.summary["falls"], 0) << episode;
+    EXPECT_GE(result.tally.moved, 1) << episode;
+  }
+}
+
 TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
   const RobotModel& robot = test::robot("mighty");
   const World world = World::load("flat");
