@@ -7,11 +7,11 @@ namespace baton {
 namespace {
 
 // Lengths are in COM heights, forces in weights, rates in ω, times in 1/ω.
-constexpr double kHeightRate = 2.4;       ///< height of a loaded sole is followed
-constexpr double kEarlyHeightRate = 4.9;  ///< the same after early touchdown
-constexpr double kPlaceRate = 1.3;        ///< horizontal position of a loaded sole is followed
-constexpr double kTiltRate = 1.3;         ///< tilt of a loaded sole is followed
-constexpr double kSearch = 0.1;           ///< downward search while an expected contact is missing [COM height × ω]
+constexpr double kFollowHeight = 2.4;       ///< height of a loaded sole is followed
+constexpr double kFollowHeightEarly = 4.9;  ///< the same after early touchdown
+constexpr double kFollowPlace = 1.3;        ///< horizontal position of a loaded sole is followed
+constexpr double kFollowTilt = 1.3;         ///< tilt of a loaded sole is followed
+constexpr double kSearch = 0.1;             ///< downward search while an expected contact is missing [COM height × ω]
 constexpr double kRelax = 0.16;     ///< compliance with internal force between the legs [COM height × ω per weight]
 constexpr double kUntwist = 0.33;   ///< the same with internal yaw moment [ω per weight × COM height]
 constexpr double kYieldTilt = 1.3;  ///< compliance with excess moment [ω per weight × COM height]
@@ -124,8 +124,8 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   const Wrench& force = state.force[side];
   const bool early = !now.contact[side];
   const Vec3 off = beyond(Vec3(state.sole[side].p - now.sole[side].p), kPlaceBand * height_);
-  offset.p.z() += carries * share_of(early ? kEarlyHeightRate : kHeightRate) * (off.z() - offset.p.z());
-  offset.p.head<2>() += carries * share_of(kPlaceRate) * (off.head<2>() - offset.p.head<2>());
+  offset.p.z() += carries * share_of(early ? kFollowHeightEarly : kFollowHeight) * (off.z() - offset.p.z());
+  offset.p.head<2>() += carries * share_of(kFollowPlace) * (off.head<2>() - offset.p.head<2>());
 
   // Admittance: comply with excess force and moment.
   const double heavier = (force.force.z() - wanted.force.z()) / weight_;
@@ -148,7 +148,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   if (robot_->sole(side).margin(pressure) > kFlatMargin * height_) {
     const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
     const Vec2 inclined = beyond(turned, kTiltBand);
-    offset.turn.head<2>() += carries * share_of(kTiltRate) * (inclined - offset.turn.head<2>());
+    offset.turn.head<2>() += carries * share_of(kFollowTilt) * (inclined - offset.turn.head<2>());
     floor_tilt_ = bounded(Vec2(floor_tilt_ + carries * share_of(kFloorRate) * (inclined - floor_tilt_)), kMaxTurn);
   }
   offset.p.z() = std::clamp(offset.p.z(), -kMaxHeight * height_, kMaxHeight * height_);
