@@ -84,7 +84,7 @@ std::vector<Remaining> judged(const RobotModel& robot, const Calibration& truth,
 
 void print_row(const std::string& what, double value, double sigma, double prior, const char* unit) {
   fmt::print("  {:26} {:9.4f} ± {:.4f} {}{}\n", what, value, sigma, unit,
-             hardly_told(sigma, prior) ? "  hardly told" : "");
+             poorly_observable(sigma, prior) ? "  poorly observable" : "");
 }
 
 void print_estimate(const RobotModel& robot, const Estimate& e) {
@@ -93,7 +93,7 @@ void print_estimate(const RobotModel& robot, const Estimate& e) {
     print_row(robot.joints()[static_cast<std::size_t>(j)].name, e.calibration.encoder_zero[j] / kDegree,
               e.sigma.encoder_zero[j] / kDegree, e.prior.encoder_zero[j] / kDegree, "deg");
   }
-  fmt::print("  joints of no leg: standing does not tell, 0\nIMU mount\n");
+  fmt::print("  joints of no leg: not observable while standing, 0\nIMU mount\n");
   for (const int i : {0, 1}) {
     print_row(i == 0 ? "roll" : "pitch", e.calibration.imu_mount[i] / kDegree, e.sigma.imu_mount[i] / kDegree,
               e.prior.imu_mount[i] / kDegree, "deg");
@@ -159,7 +159,7 @@ int calibrate(const CalibrateOptions& o) {
     return kFailed;
   }
   out.write(text_of(found.calibration, found.sigma, found.prior, robot));
-  fmt::print("{:.1f} s, {} rests; ± is the standard deviation; what is hardly told is taken for smaller than it is\n",
+  fmt::print("{:.1f} s, {} rests; ± is the standard deviation; of what is poorly observable only a part is found\n",
              session.t(), posing.rests().size());
   print_estimate(robot, found);
   fmt::print("for evaluation only, by the simulator's truth: rms of the errors, without and with the calibration\n");

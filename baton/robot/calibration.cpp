@@ -26,7 +26,8 @@ Mat3 mount(const Calibration& errors) {
 
 std::string line(const std::string& key, double value, double sigma, double prior) {
   const std::string number = fmt::format("{} = {:.9g}", key, value);
-  return fmt::format("{:<44}# ± {:.2g}{}\n", number, sigma, hardly_told(sigma, prior) ? ", hardly told" : "");
+  return fmt::format("{:<44}# ± {:.2g}{}\n", number, sigma,
+                     poorly_observable(sigma, prior) ? ", poorly observable" : "");
 }
 
 }  // namespace
@@ -93,8 +94,8 @@ std::string text_of(const Calibration& calibration, const Calibration& sigma, co
                     const RobotModel& robot) {
   std::string text = fmt::format(
       "# Constant errors of the sensors of one robot, found by baton calibrate; for --calibration.\n"
-      "# ± is the standard deviation. What is hardly told, as standing does not tell it, is taken for smaller than it "
-      "is.\n\n"
+      "# ± is the standard deviation. Of what is poorly observable, as it hardly shows while standing, only a part is "
+      "found.\n\n"
       "robot = \"{}\"\n\n"
       "[encoder_zero_deg]  # [deg] what each encoder reads where the joint is at the model's zero\n",
       robot.profile().name);

@@ -36,8 +36,8 @@ struct Calibration {
 [[nodiscard]] std::string text_of(const Calibration& calibration, const Calibration& sigma, const Calibration& prior,
                                   const RobotModel& robot);
 
-/// Whether a quantity has been told little by the calibration: its standard deviation is nearly what it was before.
-[[nodiscard]] constexpr bool hardly_told(double sigma, double prior) {
+/// Whether a calibration told little about a quantity: its standard deviation is nearly what it was before.
+[[nodiscard]] constexpr bool poorly_observable(double sigma, double prior) {
   return sigma > 0.7 * prior;
 }
 

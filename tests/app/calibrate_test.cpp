@@ -27,7 +27,7 @@ TEST(Calibrate, FindsMostOfTheErrorsOfSeveralRobots) {
         run({"calibrate", "--out", scratch.path("c.toml"), "--seed", seed, "--report", scratch.path("r.json")});
     ASSERT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
     EXPECT_THAT(outcome.out,
-                AllOf(HasSubstr("left_hip_flexion"), HasSubstr("hardly told"), HasSubstr("for evaluation only")));
+                AllOf(HasSubstr("left_hip_flexion"), HasSubstr("poorly observable"), HasSubstr("for evaluation only")));
     const nlohmann::json report = scratch.json("r.json");
     EXPECT_LT(report["duration_s"].get<double>(), 75.0);
     EXPECT_GE(report["rests"].get<int>(), 18);
