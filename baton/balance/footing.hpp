@@ -43,7 +43,7 @@ class Footing {
   /// Excess moment on a sole.
   struct Tipping {
     Vec2 moment = Vec2::Zero();  ///< beyond the dead band [weight × COM height]
-    double duration = 0.0;       ///< time for which its direction has been about the same [s]
+    double duration = 0.0;       ///< time for which its direction has been about the same [1/ω]
   };
 
   /// One Levenberg–Marquardt step of `shifted_`, which `kinematics` is set to. Returns whether the sole had converged.
@@ -59,16 +59,16 @@ class Footing {
   double period_;    ///< [1/ω]
   double height_;    ///< nominal COM height [m]
   double weight_;    ///< [N]
-  double softness_;  ///< factor on the compliance with excess load, less than 1 with stiff servos
+  double softness_;  ///< factor on all compliance, less than 1 with stiff servos
   JacobianRows rows_;
   VecX shift_;    ///< latest change of the joint angles (n) [rad]
   VecX shifted_;  ///< planned configuration with that change (nq)
   BySide<Offset> offset_;
   BySide<Tipping> tipping_;
   double age_ = 0.0;                ///< of the measurements, low-passed [1/ω]
-  double compliance_ = 1.0;         ///< factor on the compliance with excess load
+  double compliance_ = 1.0;         ///< factor on all compliance, by stiffness and age
   Vec2 floor_tilt_ = Vec2::Zero();  ///< tilt of the terrain relative to the map: `turn` of flat soles, low-passed [rad]
-  BySide<double> missing_time_{0.0, 0.0};  ///< time for which an expected contact has been missing [s]
+  BySide<double> missing_time_{0.0, 0.0};  ///< time for which an expected contact has been missing [1/ω]
 };
 
 }  // namespace baton

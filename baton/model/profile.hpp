@@ -27,7 +27,7 @@ struct Range {
 enum class Drive {
   torque,  ///< angle, speed and feed-forward torque
   pd,  ///< angle and speed; torque = kp (q − q_m) + kd (q̇ − q̇_m), so feed-forward torque is added to q as τ/kp
-  stiff,  ///< angle only, held with high gain
+  stiff,  ///< angle only: torque and damping are added to q, as (τ + kd q̇)/kp
 };
 
 [[nodiscard]] constexpr std::string_view to_string(Drive drive) {

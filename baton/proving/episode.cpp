@@ -11,10 +11,10 @@
 namespace baton {
 namespace {
 
-constexpr double kRestTimeout = 20.0;   ///< [s] a robot must come to rest within this after release
-constexpr double kBeginTimeout = 20.0;  ///< [s] a robot at rest must begin to retrace, or refuse to, within this
-constexpr double kRestTime = 0.25;      ///< [s] without a motion: no planning under way either
-constexpr long kMostRetraced = 5;       ///< most motions retraced at the end
+constexpr double kRestTimeout = 20.0;    ///< [s] a robot must come to rest within this after release
+constexpr double kBeginTimeout = 120.0;  ///< [s] a robot must begin to retrace, or refuse to: hot, it cools first
+constexpr double kRestTime = 0.25;       ///< [s] without a motion: no planning under way either
+constexpr long kMostRetraced = 5;        ///< most motions retraced at the end
 
 /// In physics soles sink and the planning frame follows their estimated positions, so penetration is judged within the
 /// ground's flatness. In a scenario, or if the sensors err, only falls count, as the ground is not as planned.
@@ -115,7 +115,7 @@ class Run {
     return true;
   }
 
-  /// Retraces the last few motions; false if the robot does not begin one, or does not come to rest. Retrace stays
+  /// Retraces the last few motions; false if the robot does not begin one or does not come to rest. Retrace stays
   /// held, since releasing it would end a long retrace early.
   bool go_back(const std::atomic<bool>& stop) {
     way_back_.begin();
@@ -128,7 +128,7 @@ class Run {
     while (sum.tried < kMostRetraced && sum.refused == 0 && (way_back_.under_way() || navigator.history() > 0) &&
            !stop && !session_.fallen()) {
       step(press);
-      waited = session_.resting() ? waited + 1 : 0;
+      waited = way_back_.under_way() ? 0 : waited + 1;
       if (waited > most) {
         failures_.add("frozen", session_.t(), kBeginTimeout, kBeginTimeout, "");
         return false;

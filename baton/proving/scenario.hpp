@@ -53,8 +53,8 @@ struct Scenario {
 /// The stick of a run in this scenario; read it once per tick.
 [[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
-/// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff and as
-/// well damped as they were.
+/// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff, with
+/// √kStiff times the damping.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
 inline constexpr double kStiff = 4.0;  // more would bring servos that lag near instability (docs/balance.md)
 

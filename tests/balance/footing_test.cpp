@@ -314,6 +314,7 @@ TEST_P(FootingTest, ASoleYieldsToTheMomentThatIsTooMuch) {
       const double excess = random_(0.06, 0.15);
       const Vec3 turn = after(*robot, excess, 10);
       ASSERT_GT(turn.dot(way), 0.0);
+      ASSERT_EQ(turn.norm() < after(robot_, excess, 10).norm(), robot == &stiff_) << "a stiff robot less far";
       ASSERT_LT(turn.cross(way).norm(), 1e-9 * turn.norm());
       ASSERT_GT(after(*robot, 1.5 * excess, 10).norm(), turn.norm()) << "more, the more there is";
       // It gives way: where the sole is pressed at goes up.
@@ -373,7 +374,9 @@ TEST_P(FootingTest, ASoleYieldsToTheForceThatIsTooMuch) {
     ASSERT_EQ(after(robot_, random_(-0.08, 0.08), second_), 0.0);
     for (const RobotModel* robot : {&robot_, &stiff_}) {
       const double excess = random_(0.15, 0.4);
-      ASSERT_GT(after(*robot, excess, 10), 0.0) << "up, out of the way";
+      const double up = after(*robot, excess, 10);
+      ASSERT_GT(up, 0.0) << "up, out of the way";
+      ASSERT_EQ(up < after(robot_, excess, 10), robot == &stiff_) << "a stiff robot less far";
       ASSERT_LT(after(*robot, -excess, 10), 0.0) << "down, to where the ground is";
     }
   }
@@ -403,8 +406,9 @@ TEST_P(FootingTest, LegsThatPressAgainstEachOtherGiveWay) {
     EXPECT_LT((offset.left.turn + offset.right.turn).norm(), 1e-12);
     EXPECT_GT(after(robot_, 1.5).left.p.norm(), offset.left.p.norm()) << "more, the more there is";
     EXPECT_TRUE(nothing(after(robot_, 0.0).left)) << "what moves the whole robot is not theirs";
-    EXPECT_LT(after(stiff_, 1.0).left.p.norm(), offset.left.p.norm())
-        << "stiff servos turn a small way into much force";
+    const Footing::Offset stiff = after(stiff_, 1.0).left;
+    EXPECT_LT(stiff.p.norm(), offset.left.p.norm()) << "stiff servos turn a small way into much force";
+    EXPECT_LT(stiff.turn.norm(), offset.left.turn.norm());
   }
 }
 

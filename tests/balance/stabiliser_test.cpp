@@ -305,6 +305,7 @@ TEST_P(StabiliserTest, LearnsTheComOffsetFastAtFirstAndSlowlyLater) {
     EXPECT_TRUE(stabiliser.correction().settling);
     EXPECT_LT((live(moment, off) - off).norm(), 0.6 * off.norm());
     live(moment, off);
+    live(5, -off);
     EXPECT_FALSE(stabiliser.correction().settling) << "no longer than that, whatever the offset does";
     stabiliser.reset();
     live(20 * moment, Vec2::Zero());
