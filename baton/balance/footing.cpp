@@ -33,9 +33,8 @@ constexpr double kMaxTippingGain = 4.0;  ///< largest factor on compliance with 
 constexpr double kAirRate = 1.6;         ///< decay of the offset in the air
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
 constexpr double kOld = 0.066;           ///< age of measurements that halves all compliance
-constexpr double kAgeRate = 0.3;         ///< low-pass of that age
-constexpr double kStiffServo =
-    12.0;  ///< stiffness of the ankles' servos above which it falls [weight × COM height per rad]
+constexpr double kAgeRate = 0.3;         ///< low-pass of the measurements' age
+constexpr double kStiffServo = 12.0;     ///< ankle kp above which compliance falls [weight × COM height/rad]
 // The legs' kinematics, a numerical iteration:
 constexpr double kDamping = 1e-6;      ///< added to half of the squared error [m², rad²]
 constexpr int kMaxSteps = 4;           ///< iterations

@@ -310,7 +310,7 @@ RobotModel with_drive(const RobotModel& robot, Drive drive) {
   if (drive == Drive::stiff && profile.drive != Drive::stiff) {
     for (auto& [name, gains] : profile.gains) {
       gains.kp *= kStiff;
-      gains.kd *= std::sqrt(kStiff);  // as well damped
+      gains.kd *= std::sqrt(kStiff);  // the same damping ratio
     }
   }
   profile.drive = drive;

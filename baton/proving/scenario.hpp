@@ -53,8 +53,8 @@ struct Scenario {
 /// The stick of a run in this scenario; read it once per tick.
 [[nodiscard]] std::unique_ptr<Device> stick_of(const Scenario& scenario, const RobotModel& robot, std::uint64_t seed);
 
-/// The robot with another drive. If the drive changes to `stiff`, servos become kStiff times as stiff, with
-/// √kStiff times the damping.
+/// The robot with another drive. If the drive changes to `stiff`, kp becomes kStiff times as large, and
+/// kd √kStiff times, which keeps the damping ratio.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
 inline constexpr double kStiff = 4.0;  // more would bring servos that lag near instability (docs/balance.md)
 

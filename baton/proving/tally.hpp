@@ -18,7 +18,7 @@ namespace baton {
 struct Tally {
   /// An event that must not happen.
   struct Failure {
-    std::string kind;  ///< kind of violation (docs/soak.md), `fall`, `unrest`, `frozen`, `stuck`, `retrace` or `exception`
+    std::string kind;  ///< kind of violation, `fall`, `unrest` … (docs/soak.md)
     long episode = 0;
     double t = 0.0;  ///< from the episode's start [s]
     double value = 0.0;

@@ -209,7 +209,8 @@ TEST(Scenario, WhatIsConstantlyOffDoesNotStopMighty) {
   }
 }
 
-/// A stick that is held from the start on: a foot lifted after 60 ms, once, before the payload was known.
+/// The stick is deflected from the first tick. An earlier build lifted a foot after 60 ms, before it had estimated the
+/// offset of the COM by the payload, and fell.
 TEST(Scenario, MightyLiftsNoFootBeforeItKnowsWhatItCarries) {
   const World flat = World::load("flat");
   const std::atomic<bool> stop{false};
