@@ -40,7 +40,7 @@ class Estimator {
 };
 
 /// Displacement of the planning frame (position and yaw, in that frame) that best aligns the planned soles with the
-/// measured ones.
+/// measured ones: their middle, and the mean of their yaw.
 /// @param contact soles to align
 [[nodiscard]] Pose anchor_correction(const BySide<Pose>& planned, const BySide<Pose>& measured,
                                      const BySide<bool>& contact);
