@@ -43,7 +43,7 @@ struct Walk {
 std::vector<Leg> replanned(Dice& dice, bool on_steps) {
   std::vector<Leg> legs;
   for (double t = 0.0; t < kWalkTime; t += kReplanInterval) {
-    const double ahead = on_steps ? (t < 0.4 * kWalkTime ? 1.0 : -1.0) : dice.axis();
+    const double ahead = on_steps ? (t < 0.3 * kWalkTime ? 1.0 : -1.0) : dice.axis();
     legs.push_back({kReplanInterval, {ahead, 0.5 * dice.axis(), 0.3 * dice.axis()}});
   }
   return legs;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kLeastProgress = 0.01;  ///< share of the requested displacement below which a goal is no progress
 constexpr double kRounding = 1e-6;       ///< displacements below this are rounding errors [m, rad]
+constexpr double kMostNarrower = 3.0;    ///< how much of the width's error one step corrects at most [same_place]
 
 }  // namespace
 
@@ -33,17 +34,19 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target
     return Refusal{Reason::trunk_inclination, Part::trunk, tilt_of(turned), region.trunk_inclination, ""};
   if (still && none(rotation_error(goal.trunk, from.trunk), target.move.tail<3>()))
     return Refusal{Reason::com_height, Part::trunk, asked, region.com_height.clamped(asked), ""};
+  const Mat3& R = context.drift_correction.R;
+  const Vec3 uncorrected = goal.com;
   goal.com.head<2>() = (context.drift_correction * goal.com).head<2>();
-  goal.trunk = context.drift_correction.R * goal.trunk;
+  goal.trunk = R * goal.trunk;
   arms_home(goal);
   GuideResult result = stand_under(context, goal);
   auto* goals = std::get_if<std::vector<Goal>>(&result);
   for (std::size_t i = 0; goals != nullptr && i < goals->size(); ++i) {
-    // If no step reaches the corrected goal, only yaw is corrected.
+    // What a step leaves of it is drift, for the next ones to correct. If none reaches it, only yaw is corrected.
     Goal& made = (*goals)[i];
-    const bool there = (made.com - goal.com).head<2>().norm() < same_place();
-    made.drift_correction = there ? context.drift_correction
-                                  : Pose{made.com - context.drift_correction.R * made.com, context.drift_correction.R};
+    const bool there = (made.com - goal.com).head<2>().norm() < 2.0 * same_place();
+    made.drift_correction = {made.com - R * (there ? uncorrected : made.com), R};
+    made.drift_correction.p.z() = 0.0;
   }
   return result;
 }
@@ -94,13 +97,24 @@ Side Guide::farther_foot(const GuideContext& context, const Vec2& place) const {
   return difference > 0.0 ? Side::left : Side::right;
 }
 
+Vec2 Guide::opposite(const GuideContext& context, Side side, const Vec2& target, double yaw) const {
+  const Posture& from = context.from;
+  const Vec2 stance = from.sole[other(side)].p.head<2>();
+  const Vec2 outward = sign_of(side) * Vec2(-std::sin(yaw), std::cos(yaw));
+  const double moved = outward.dot(target - 0.5 * (stance + from.sole[side].p.head<2>()));
+  const double wide = outward.dot(target - stance) - std::max(0.0, moved) - 0.5 * robot_->profile().stance.width;
+  const double band = same_place();
+  const double narrows = std::clamp(wide - std::clamp(wide, -band, band), -kMostNarrower * band, kMostNarrower * band);
+  return 2.0 * target - stance - narrows * outward;
+}
+
 std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal& goal, bool turn,
                                         const FootRegion& region, std::vector<Goal>& goals) const {
   const Posture& from = context.from;
   const double yaw = yaw_of(goal.trunk);
   const Vec2 target = goal.com.head<2>() + context.com_offset;
   const Side first = farther_foot(context, target);
-  const auto wish = [&](Side side) -> Vec2 { return 2.0 * target - from.sole[other(side)].p.head<2>(); };
+  const auto wish = [&](Side side) { return opposite(context, side, target, yaw); };
   std::optional<Refusal> refusal;
   const std::vector<Side> feet = context.step ? std::vector{context.step->side} : std::vector{first, other(first)};
   for (const Side side : feet) {

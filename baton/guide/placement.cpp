@@ -44,8 +44,11 @@ Guide::FootRegion Guide::foot_region() const {
 }
 
 Guide::FootRegion Guide::stride_region() const {
-  const Profile::Region& region = robot_->profile().region;
-  return {{-region.stride, region.stride}, region.foot_lateral};
+  // Not as near to the other foot as may be: a foot that lands some mm beside its place must not land on the other.
+  const Profile& profile = robot_->profile();
+  const Range& lateral = profile.region.foot_lateral;
+  const double nearest = std::max(lateral.lo, 0.5 * (lateral.lo + profile.stance.width));
+  return {{-profile.region.stride, profile.region.stride}, {nearest, lateral.hi}};
 }
 
 Guide::FootRegion Guide::extended(FootRegion region, const GuideContext& context, Side side) {
@@ -114,6 +117,8 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   std::vector<Vec2> places{{forward.clamped(wish.x()), lateral}};
   for (const double x : spaced(forward, kFineGrid * size))
     places.emplace_back(x, lateral);
+  for (const double y : spaced(outward, kFineGrid * size))
+    places.emplace_back(forward.clamped(wish.x()), sign_of(side) * y);
   for (const double x : spaced(forward, kGrid * size)) {
     for (const double y : spaced(outward, kGrid * size))
       places.emplace_back(x, sign_of(side) * y);

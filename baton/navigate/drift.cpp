@@ -6,7 +6,14 @@
 namespace baton {
 namespace {
 
-constexpr double kShare = 0.05;  ///< of the trunk's reach that a motion corrects
+constexpr double kShare = 0.05;     ///< of the trunk's reach that a motion corrects
+constexpr double kBand = 0.006;     ///< displacement that is not corrected, as each step leaves some [COM height]
+constexpr double kTurnBand = 3e-3;  ///< the same for the turn [rad]
+
+/// What a value exceeds a band by, and at most `most`.
+double beyond(double value, double band, double most) {
+  return std::clamp(value - std::clamp(value, -band, band), -most, most);
+}
 
 }  // namespace
 
@@ -16,15 +23,15 @@ Pose drift_correction(const RobotModel& robot, const GuideContext& context, cons
   // The drift, seen from the COM.
   const Vec3& com = context.from.com;
   const Pose drift = context.anchor.inverse() * context.slip_free_frame;
-  const Vec2 shift = (drift * com - com).head<2>();
-  const double turn = yaw_of(drift.R);
-  if (shift.norm() < kInPlace * robot.profile().stance.com_height && std::abs(turn) < kInPlace) return {};
-  const Profile::Reach& reach = robot.profile().reach;
+  const Eigen::Rotation2Dd heading(context.from.heading());
+  const Vec2 shift = heading.inverse() * (drift * com - com).head<2>();
+  const Profile& profile = robot.profile();
   const double share = kShare * std::min(1.0, led.norm());
-  const double most_turn = share * reach.rotation;
-  const Mat3 R = rotation_z(std::clamp(turn, -most_turn, most_turn));
+  const Mat3 R = rotation_z(beyond(yaw_of(drift.R), kTurnBand, share * profile.reach.rotation));
+  const double band = kBand * profile.stance.com_height;
+  const double most = share * profile.reach.trunk;
   Vec3 p = com - R * com;
-  p.head<2>() += bounded(shift, share * reach.trunk);
+  p.head<2>() += heading * Vec2(beyond(shift.x(), band, most), beyond(shift.y(), band, most));
   return {p, R};
 }
 
