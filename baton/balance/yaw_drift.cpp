@@ -7,10 +7,12 @@ namespace baton {
 namespace {
 
 constexpr double kUsualDrift = 1.7e-3;  ///< standard deviation of the drift that one expects [rad/s]
-constexpr double kTwists = 6e-3;        ///< that of the turn of a walking robot's soles, after a second [rad]
+constexpr double kTwists = 3e-3;        ///< that of the turn of a walking robot's soles, after a second [rad]
 constexpr double kNoise = 1e-5;         ///< that of the yaw of resting soles, at least [rad]
 constexpr double kErrorsLast =
-    10.0;                           ///< time for which its errors last, as the robot settles into its joints' play [s]
+    10.0;  ///< time for which its errors last, as the robot settles into its joints' play [s]
+constexpr double kStepErrors =
+    5e-4;                           ///< standard deviation of a rate from walking: errors that repeat each step [rad/s]
 constexpr double kLeastRest = 0.8;  ///< shortest rest that counts [s]
 constexpr double kCreep = 1e-4;     ///< standard deviation of the rate at which resting soles creep [rad/s]
 constexpr double kLongestDrift = 60.0;  ///< longest time for which a drift is taken to have lasted [s]
@@ -80,7 +82,8 @@ void YawDrift::rest(double yaw) {
 
 void YawDrift::walk(double turned) {
   const double information = period_ / (kTwists * kTwists);
-  information_ = std::min(information_ + information, 1.0 / (kCreep * kCreep));
+  if (information_ > 1.0 / (kStepErrors * kStepErrors)) return;
+  information_ += information;
   set_rate(rate_ + information / information_ * turned / period_);
 }
 
