@@ -61,11 +61,11 @@ TEST(Episode, EndsWhenARobotDoesNotBeginToRetrace) {
   Profile profile = test::robot("mighty").profile();
   profile.drive = Drive::stiff;
   for (auto& [name, gains] : profile.gains)
-    gains.kp *= 45.0;
+    gains.kp *= 50.0;
   const RobotModel robot(std::move(profile));
   const World flat = World::load("flat");
   const std::atomic<bool> stop{false};
-  Trial shaking = trial(Simulation::On::sim, 3, 6.0);
+  Trial shaking = trial(Simulation::On::sim, 2, 6.0);
   shaking.real = true;
   const Tally tally = Episodes(robot, flat, shaking).run(0, stop).tally;
   ASSERT_EQ(tally.bad, (std::map<std::string, long>{{"frozen", 1}}));
