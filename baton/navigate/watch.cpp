@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kDisturbed = 0.02;     ///< error of the DCM from which nothing new is begun [COM height]
 constexpr double kRecovered = 0.01;     ///< error below which the robot is no longer disturbed [COM height]
-constexpr double kHovers = 0.012;       ///< height of a sole that should stand above its place [COM height]
-constexpr double kHovering = 0.25;      ///< time for which that has to last [1/ω]
 constexpr double kSteady = 12.0;        ///< low-pass of the DCM error's steady part [1/ω]
 constexpr double kMostSteady = 0.06;    ///< bound of the steady part [COM height]
 constexpr double kSinks = 4e-3;         ///< difference of heights that is how soles sink [COM height]
@@ -50,7 +48,6 @@ void Watch::judge(const MotionSample& planned, const Pose& anchor, bool centred)
   update_guard(centred);
   if (soft()) return;
   update_disturbed(planned, anchor);
-  update_hovering(planned);
   update_slip(planned, anchor);
   update_inclination(planned);
 }
@@ -87,7 +84,7 @@ void Watch::update_guard(bool centred) {
 void Watch::fall() {
   guard_ = Guard::fallen;
   guard_ticks_ = falling_ticks_ = 0;
-  disturbed_ = hovers_ = slip_.now = slip_.found = false;
+  disturbed_ = slip_.now = slip_.found = false;
   dcm_error_.setZero();
   steady_dcm_error_.setZero();
 }
@@ -108,18 +105,6 @@ void Watch::update_disturbed(const MotionSample& planned, const Pose& anchor) {
   const Vec2 rest = heading * Vec2(off - steady_dcm_error_);
   dcm_error_ = (anchor.R * Vec3(rest.x(), rest.y(), 0)).head<2>();
   disturbed_ = dcm_error_.norm() > (disturbed_ ? kRecovered : kDisturbed) * height;
-}
-
-void Watch::update_hovering(const MotionSample& planned) {
-  const double least = kHovers * robot_->profile().stance.com_height;
-  bool hovers = false;
-  for (const Side side : kSides) {
-    hovers = hovers || (planned.contact[side] && !odometry_.touch()[side] &&
-                        state_->sole[side].p.z() - planned.sole[side].p.z() > least);
-  }
-  const double ticks = kHovering / (robot_->omega() * robot_->profile().tick.period);
-  hovering_ticks_ = hovers ? hovering_ticks_ + 1 : 0;
-  hovers_ = hovering_ticks_ > ticks;
 }
 
 void Watch::update_slip(const MotionSample& planned, const Pose& anchor) {

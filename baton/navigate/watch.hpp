@@ -52,9 +52,9 @@ class Watch {
   [[nodiscard]] const SensorCheck& sensors() const { return sensors_; }
   /// How hot the motors are.
   [[nodiscard]] const Thermometer& thermometer() const { return thermometer_; }
-  /// Whether no motion is begun: a sensor is lost, a foot that should have landed is still in the air, or the DCM error
-  /// is too large, with hysteresis from 0.02 to 0.01 of the nominal COM height.
-  [[nodiscard]] bool disturbed() const { return disturbed_ || hovers_ || sensors_.lost(); }
+  /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis from 0.02 to 0.01 of
+  /// the nominal COM height.
+  [[nodiscard]] bool disturbed() const { return disturbed_ || sensors_.lost(); }
   /// Estimated − planned DCM, in world axes, less its steady part, which sensor offsets and slopes cause [m]. The plan
   /// is first displaced by the slip of the soles.
   [[nodiscard]] const Vec2& dcm_error() const { return dcm_error_; }
@@ -78,7 +78,6 @@ class Watch {
   void update_guard(bool centred);
   void fall();
   void update_disturbed(const MotionSample& planned, const Pose& anchor);
-  void update_hovering(const MotionSample& planned);
   void update_slip(const MotionSample& planned, const Pose& anchor);
   void update_inclination(const MotionSample& planned);
   /// Whether the robot stands on both feet and still, so that it could be armed.
@@ -97,8 +96,6 @@ class Watch {
   Vec2 dcm_error_ = Vec2::Zero();
   Vec2 steady_dcm_error_ = Vec2::Zero();  ///< in the heading frame [m]
   bool disturbed_ = false;                ///< by the DCM error
-  int hovering_ticks_ = 0;
-  bool hovers_ = false;  ///< a sole that should stand is in the air
   struct Slip {
     bool now = false;
     bool found = false;  ///< in this tick
