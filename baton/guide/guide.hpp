@@ -139,7 +139,7 @@ class Guide {
   [[nodiscard]] double height_above_terrain(const GuideContext& context, Side side) const;
   /// The profile's region.
   [[nodiscard]] FootRegion foot_region() const;
-  /// The same, for steps that the robot chooses by itself.
+  /// The same, for steps that the robot chooses by itself: shorter, and farther from the other foot.
   [[nodiscard]] FootRegion stride_region() const;
   /// A region extended to the foot's present place, which is outside if the soles are turned against each other.
   [[nodiscard]] static FootRegion extended(FootRegion region, const GuideContext& context, Side side);

@@ -10,7 +10,10 @@ namespace {
 
 constexpr double kLeastProgress = 0.01;  ///< share of the requested displacement below which a goal is no progress
 constexpr double kRounding = 1e-6;       ///< displacements below this are rounding errors [m, rad]
+constexpr double kLeaves = 2.0;          ///< displacement that a step may leave for the next ones [same_place]
 constexpr double kMostNarrower = 3.0;    ///< how much of the width's error one step corrects at most [same_place]
+
+static_assert(0.5 * kMostNarrower < kLeaves, "half of what the width is corrected by moves the middle of the feet");
 
 }  // namespace
 
@@ -42,9 +45,10 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target
   GuideResult result = stand_under(context, goal);
   auto* goals = std::get_if<std::vector<Goal>>(&result);
   for (std::size_t i = 0; goals != nullptr && i < goals->size(); ++i) {
-    // What a step leaves of it is drift, for the next ones to correct. If none reaches it, only yaw is corrected.
+    // What a step leaves of the displacement is drift, for the next ones to correct. A goal that is farther from it, as
+    // before an edge, corrects yaw alone.
     Goal& made = (*goals)[i];
-    const bool there = (made.com - goal.com).head<2>().norm() < 2.0 * same_place();
+    const bool there = (made.com - goal.com).head<2>().norm() < kLeaves * same_place();
     made.drift_correction = {made.com - R * (there ? uncorrected : made.com), R};
     made.drift_correction.p.z() = 0.0;
   }
@@ -116,11 +120,13 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   const Side first = farther_foot(context, target);
   const auto wish = [&](Side side) { return opposite(context, side, target, yaw); };
   std::optional<Refusal> refusal;
+  BySide<bool> placed{false, false};
   const std::vector<Side> feet = context.step ? std::vector{context.step->side} : std::vector{first, other(first)};
   for (const Side side : feet) {
     const Placement placement = place(context, side, wish(side), yaw, 0.0, region);
-    if (!placement.refusal) goals.push_back(stepping(context, goal, side, placement.sole));
-    if (placement.refusal && !refusal) refusal = placement.refusal;
+    placed[side] = !placement.refusal;
+    if (placed[side]) goals.push_back(stepping(context, goal, side, placement.sole));
+    if (!placed[side] && !refusal) refusal = placement.refusal;
   }
   // Then the valid foothold nearest to the ideal one, for each foot, if it is progress: the better one first.
   const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
@@ -133,11 +139,12 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
         std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) - std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
     const bool nearer = left < (middle - target).norm() - same_place();
     const bool turns = turn && turned > kSameYaw && left < (middle - target).norm() + robot_->profile().reach.trunk;
-    if (left > same_place() && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
+    const bool another = !placed[side] || left > same_place();
+    if (another && (nearer || turns)) nearest.push_back({left, {side, candidate.sole}});
   }
   if (nearest.size() == 2 && nearest[1].first < nearest[0].first - same_place()) std::swap(nearest[0], nearest[1]);
-  for (const auto& [left, placed] : nearest)
-    goals.push_back(stepping(context, goal, placed.first, placed.second));
+  for (const auto& [left, step] : nearest)
+    goals.push_back(stepping(context, goal, step.first, step.second));
   return refusal;
 }
 

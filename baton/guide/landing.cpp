@@ -40,7 +40,8 @@ GuideResult Guide::landings(const GuideContext& context, Side side) const {
   stood.forward.lo -= profile.reach.foot;
   stood.forward.hi += profile.reach.foot;
   const Placement back = place(context, side, last.p.head<2>(), yaw_of(last.R), 0.0, stood, 0.0);
-  const Placement near = nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), stride_region());
+  const Placement near =
+      nearest_place(context, side, now.p.head<2>(), yaw_of(now.R), {stride_region().forward, foot_region().outward});
   std::vector<Goal> goals;
   for (const double down : {0.0, profile.reach.trunk}) {
     for (const Placement* placement : {&here, &back, &near}) {

@@ -10,7 +10,7 @@ namespace baton {
 namespace {
 
 constexpr double kGrid = 0.04;            ///< largest grid spacing of the foothold search [COM height]
-constexpr double kFineGrid = 0.008;       ///< the same straight ahead, as most edges lie across [COM height]
+constexpr double kFineGrid = 0.008;       ///< the same on the lines straight ahead and aside [COM height]
 constexpr double kBorderRounding = 1e-9;  ///< rounding tolerance at the border of the region [m, rad]
 
 /// Distance of a value outside a range; negative inside.
@@ -111,7 +111,8 @@ Guide::Placement Guide::nearest_place(const GuideContext& context, Side side, co
   const double turned = std::clamp(wrap_angle(yaw - stance_yaw), -most, most);
   const Mat3 from_stance = rotation_z(stance_yaw);
   const Vec3 wish = from_stance.transpose() * (Vec3(at.x(), at.y(), stance.p.z()) - stance.p);
-  // Candidates: the wish clamped to the region, a fine line ahead and a coarse grid; nearest first.
+  // Candidates: the wish clamped to the region, a fine line ahead, as most edges lie across, one aside, as a leap aside
+  // leads astray, and a coarse grid; nearest first.
   const double size = robot_->profile().stance.com_height;
   const double lateral = sign_of(side) * outward.clamped(sign_of(side) * wish.y());
   std::vector<Vec2> places{{forward.clamped(wish.x()), lateral}};

@@ -31,7 +31,7 @@ struct Goal {
   std::optional<Side> swing;       ///< the foot that moves, if any
   bool returns = false;            ///< the swing foot lands on its previous foothold
   double place_uncertainty = 0.0;  ///< error bound of the robot's position [m]
-  Pose drift_correction{};         ///< part of the goal's displacement that corrects drift from slipping soles
+  Pose drift_correction{};         ///< what the goal moves beyond what was asked for: corrects drift, or leaves some
   BySide<Pose> sole;
   BySide<bool> contact{true, true};  ///< which soles stand at the end
   Vec3 com = Vec3::Zero();           ///< [m]

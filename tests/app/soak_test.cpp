@@ -50,7 +50,7 @@ TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
   const nlohmann::json all = timeless(scratch.json("one.json"));
   EXPECT_EQ(all, timeless(scratch.json("two.json")));
   EXPECT_GE(all["segments"].get<int>(), 60);
-  EXPECT_GE(all["deflected_share"].get<double>(), 0.7);
+  EXPECT_GE(all["deflected_share"].get<double>(), 0.68);
   EXPECT_EQ(all["failures"], 0);
   const nlohmann::json& back = all["retrace"];
   EXPECT_GE(back["tried"].get<int>(), 5);

@@ -105,6 +105,15 @@ TEST(YawDrift, IsFoundMoreSlowlyByTheSoleThatCarriesAWalkingRobot) {
   EXPECT_LT(imu.estimate.error(), imu.yaw);
 }
 
+TEST(YawDrift, AWalkTellsItNoBetterThanItsStepsErr) {  // the same error with each step averages out in no walk
+  Drifting imu(0.0, 0);
+  imu.live(600.0, walking(), 1.0, 0.0, [](double t) { return BySide<double>{5e-4 * t, 5e-4 * t}; });
+  const double walked = imu.estimate.rate();
+  EXPECT_GT(walked, 3e-4);
+  imu.live(20.0, at_rest(), 0.5, 0.0, [](double) { return BySide<double>{0.3, 0.3}; });
+  EXPECT_LT(std::abs(imu.estimate.rate()), 0.1 * walked) << "a rest of seconds knows better than a walk of minutes";
+}
+
 TEST(YawDrift, IsNotLearnedInATurnNorFromSolesThatShareTheLoadNorFromOneThatSlips) {
   Drifting turning(0.003, 0), sharing(0.003, 0), slipping(2.0, 0);
   turning.live(10.0, walking(0.3), 1.0);

@@ -384,6 +384,7 @@ TEST_P(GuideTest, AWalkBringsTheFeetBackToTheStanceWidth) {  // soles that slip 
   const double nearest = 0.5 * (profile.region.foot_lateral.lo + profile.stance.width);
   std::mt19937_64 random(13);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  double astray = 0.0;
   for (int trial = 0; trial < 200; ++trial) {
     Posture from = home_;
     const Mat3 heading = rotation_z(3.0 * unit(random));
@@ -393,15 +394,15 @@ TEST_P(GuideTest, AWalkBringsTheFeetBackToTheStanceWidth) {  // soles that slip 
       from.sole[side] = {heading * Vec3(0, 0.5 * sign_of(side) * width, 0), heading};
     from.trunk = heading;
     const Command command = push(Part::trunk, 0, trial % 2 == 0 ? 1.0 : -1.0);
-    Vec3 asked = Vec3::Zero();
-    Vec3 left = Vec3::Zero();  // what steps left of it
     Side last = Side::right;
     for (int step = 0; step < 120; ++step) {
       GuideContext here = context(from);
       here.last_step = last;
       const Goal goal = first(guide.goals(here, command));
-      asked += heading * command.axes.head<3>() * profile.reach.trunk;
-      left += goal.drift_correction.p;
+      const Vec3 made = heading.transpose() * (goal.com - from.com);
+      const Vec3 told = heading.transpose() * goal.drift_correction.p;
+      EXPECT_NEAR(told.y(), made.y(), 1e-12) << "what a step leaves is told";
+      astray = std::max(astray, std::abs(made.y()));
       from.com = goal.com;
       from.sole = goal.sole;
       if (!goal.swing) continue;
@@ -412,10 +413,8 @@ TEST_P(GuideTest, AWalkBringsTheFeetBackToTheStanceWidth) {  // soles that slip 
     }
     const Vec3 apart = heading.transpose() * (from.sole.left.p - from.sole.right.p);
     EXPECT_NEAR(apart.y(), profile.stance.width, 0.02 * size) << "trial " << trial;
-    const double astray = (heading.transpose() * (from.com - home_.com - asked)).y();
-    const double told = (heading.transpose() * left).y();
-    EXPECT_NEAR(astray, told, 0.02 * size) << "trial " << trial << ": what is left is told";
   }
+  EXPECT_GT(astray, 0.002 * size);
 }
 
 TEST_P(GuideTest, AFootInTheAirIsLoweredWhenAnotherPartIsGuided) {
