@@ -41,16 +41,6 @@ constexpr int kMaxSteps = 4;           ///< iterations
 constexpr double kMaxJointStep = 0.3;  ///< in one iteration; near a straight leg it would be arbitrary [rad]
 constexpr double kConverged = 1e-6;    ///< error at which it ends [m, rad]
 
-/// The part of v beyond a dead band.
-template <typename Vector>
-Vector beyond(const Vector& v, double band) {
-  const double size = v.norm();
-  return size > band ? Vector(v * (1.0 - band / size)) : Vector(Vector::Zero());
-}
-double beyond(double v, double band) {
-  return v > band ? v - band : v < -band ? v + band : 0.0;
-}
-
 /// Stiffness of the stiffer ankle's servo [N·m/rad].
 double ankle_stiffness(const RobotModel& robot) {
   double stiffness = 0.0;

@@ -108,10 +108,7 @@ void Stabiliser::update_com_offset(const MotionSample& now, const Vec2& measured
   const Vec2 off = heading.inverse() * (measured - now.zmp);
   correction_.settling = averaged_ < kOffsetFirst + kSettling && (off - steady_zmp_).norm() > kSettled * height;
   steady_zmp_ = bounded(Vec2(steady_zmp_ + follows * (off - steady_zmp_)), kMostOffset * height);
-  const double size = steady_zmp_.norm();
-  const double band = kOffsetBand * height;
-  correction_.com_offset.setZero();
-  if (size > band) correction_.com_offset = heading * Vec2(steady_zmp_ * (1.0 - band / size));
+  correction_.com_offset = heading * beyond(steady_zmp_, kOffsetBand * height);
 }
 
 void Stabiliser::reset() {

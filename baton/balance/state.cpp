@@ -1,6 +1,5 @@
 #include "baton/balance/state.hpp"
 
-#include <cmath>
 #include <stdexcept>
 
 namespace baton {
@@ -35,16 +34,12 @@ const State& Estimator::update(const Measurement& measurement, const Pose& ancho
 }
 
 Pose anchor_correction(const BySide<Pose>& planned, const BySide<Pose>& measured, const BySide<bool>& contact) {
-  // By their attitudes, not by the line between them: zero errors of the encoders displace a sole by a millimetre, which
-  // turns that line by a degree, but the soles by much less.
-  Vec2 direction = Vec2::Zero();
-  for (const Side side : kSides) {
-    if (!contact[side]) continue;
-    const double yaw = yaw_of(measured[side].R * planned[side].R.transpose());
-    direction += Vec2(std::cos(yaw), std::sin(yaw));
-  }
+  // By their attitudes, not by the line between them: zero errors of the encoders displace a sole by a millimetre,
+  // which turns that line by a degree, but the soles by much less.
+  const auto yaw = [&](Side side) { return yaw_of(measured[side].R * planned[side].R.transpose()); };
+  const Side first = contact.left ? Side::left : Side::right;
   Pose correction;
-  correction.R = rotation_z(std::atan2(direction.y(), direction.x()));
+  correction.R = rotation_z(mean_yaw(yaw(first), yaw(contact.right ? Side::right : first)));
   Vec3 offset = Vec3::Zero();
   double soles = 0.0;
   for (const Side side : kSides) {

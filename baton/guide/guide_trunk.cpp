@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kLeastProgress = 0.01;  ///< share of the requested displacement below which a goal is no progress
 constexpr double kRounding = 1e-6;       ///< displacements below this are rounding errors [m, rad]
-constexpr double kLeaves = 2.0;          ///< displacement that a step may leave for the next ones [same_place]
-constexpr double kMostNarrower = 3.0;    ///< how much of the width's error one step corrects at most [same_place]
+constexpr double kMostLeft = 2.0;        ///< displacement that a step may leave for the next ones [same_place]
+constexpr double kWidthStep = 3.0;       ///< largest change of the feet's lateral distance by a step [same_place]
 
-static_assert(0.5 * kMostNarrower < kLeaves, "half of what the width is corrected by moves the middle of the feet");
+static_assert(0.5 * kWidthStep < kMostLeft, "half of a change of the distance moves the middle of the feet");
 
 }  // namespace
 
@@ -48,7 +48,7 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target
     // What a step leaves of the displacement is drift, for the next ones to correct. A goal that is farther from it, as
     // before an edge, corrects yaw alone.
     Goal& made = (*goals)[i];
-    const bool there = (made.com - goal.com).head<2>().norm() < kLeaves * same_place();
+    const bool there = (made.com - goal.com).head<2>().norm() < kMostLeft * same_place();
     made.drift_correction = {made.com - R * (there ? uncorrected : made.com), R};
     made.drift_correction.p.z() = 0.0;
   }
@@ -108,7 +108,7 @@ Vec2 Guide::opposite(const GuideContext& context, Side side, const Vec2& target,
   const double moved = outward.dot(target - 0.5 * (stance + from.sole[side].p.head<2>()));
   const double wide = outward.dot(target - stance) - std::max(0.0, moved) - 0.5 * robot_->profile().stance.width;
   const double band = same_place();
-  const double narrows = std::clamp(wide - std::clamp(wide, -band, band), -kMostNarrower * band, kMostNarrower * band);
+  const double narrows = std::clamp(beyond(wide, band), -kWidthStep * band, kWidthStep * band);
   return 2.0 * target - stance - narrows * outward;
 }
 
@@ -118,12 +118,12 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   const double yaw = yaw_of(goal.trunk);
   const Vec2 target = goal.com.head<2>() + context.com_offset;
   const Side first = farther_foot(context, target);
-  const auto wish = [&](Side side) { return opposite(context, side, target, yaw); };
+  const BySide<Vec2> wish{opposite(context, Side::left, target, yaw), opposite(context, Side::right, target, yaw)};
   std::optional<Refusal> refusal;
   BySide<bool> placed{false, false};
   const std::vector<Side> feet = context.step ? std::vector{context.step->side} : std::vector{first, other(first)};
   for (const Side side : feet) {
-    const Placement placement = place(context, side, wish(side), yaw, 0.0, region);
+    const Placement placement = place(context, side, wish[side], yaw, 0.0, region);
     placed[side] = !placement.refusal;
     if (placed[side]) goals.push_back(stepping(context, goal, side, placement.sole));
     if (!placed[side] && !refusal) refusal = placement.refusal;
@@ -132,9 +132,9 @@ std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal&
   const Vec2 middle = 0.5 * (from.sole.left.p + from.sole.right.p).head<2>();
   std::vector<std::pair<double, std::pair<Side, Pose>>> nearest;
   for (const Side side : feet) {
-    const Placement candidate = nearest_place(context, side, wish(side), yaw, region);
+    const Placement candidate = nearest_place(context, side, wish[side], yaw, region);
     if (candidate.refusal) continue;
-    const double left = 0.5 * (candidate.sole.p.head<2>() - wish(side)).norm();
+    const double left = 0.5 * (candidate.sole.p.head<2>() - wish[side]).norm();
     const double turned =
         std::abs(wrap_angle(yaw - yaw_of(from.sole[side].R))) - std::abs(wrap_angle(yaw - yaw_of(candidate.sole.R)));
     const bool nearer = left < (middle - target).norm() - same_place();

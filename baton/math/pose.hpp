@@ -38,6 +38,16 @@ template <typename Vector>
   return size > most ? Vector(v * (most / size)) : v;
 }
 
+/// The part of v beyond a dead band.
+template <typename Vector>
+[[nodiscard]] Vector beyond(const Vector& v, double band) {
+  const double size = v.norm();
+  return size > band ? Vector(v * (1.0 - band / size)) : Vector(Vector::Zero());
+}
+[[nodiscard]] inline double beyond(double v, double band) {
+  return v > band ? v - band : v < -band ? v + band : 0.0;
+}
+
 /// Rotation vector [rad] → rotation matrix.
 [[nodiscard]] Mat3 rotation_exp(const Vec3& theta);
 

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "baton/ik/stand.hpp"
-#include "baton/navigate/drift.hpp"
 
 namespace baton {
 namespace {
 
-constexpr double kSettles = 0.5;  ///< rate at which the planning frame follows the soles [ω]
+constexpr double kSettles = 0.5;   ///< rate at which the planning frame follows the soles [ω]
+constexpr double kInPlace = 1e-3;  ///< displacement and turn of the soles that it does not follow [COM height, rad]
 
 Course::Rest rest_at(const RobotModel& robot, const Posture& posture) {
   return {std::make_shared<const Posture>(posture), std::make_shared<const MotionSample>(resting(robot, posture))};

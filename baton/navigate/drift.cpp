@@ -10,11 +10,6 @@ constexpr double kShare = 0.05;     ///< of the trunk's reach that a motion corr
 constexpr double kBand = 0.006;     ///< displacement that is not corrected, as each step leaves some [COM height]
 constexpr double kTurnBand = 3e-3;  ///< the same for the turn [rad]
 
-/// What a value exceeds a band by, and at most `most`.
-double beyond(double value, double band, double most) {
-  return std::clamp(value - std::clamp(value, -band, band), -most, most);
-}
-
 }  // namespace
 
 Pose drift_correction(const RobotModel& robot, const GuideContext& context, const Command& command) {
@@ -27,11 +22,14 @@ Pose drift_correction(const RobotModel& robot, const GuideContext& context, cons
   const Vec2 shift = heading.inverse() * (drift * com - com).head<2>();
   const Profile& profile = robot.profile();
   const double share = kShare * std::min(1.0, led.norm());
-  const Mat3 R = rotation_z(beyond(yaw_of(drift.R), kTurnBand, share * profile.reach.rotation));
-  const double band = kBand * profile.stance.com_height;
+  const double most_turn = share * profile.reach.rotation;
+  const Mat3 R = rotation_z(std::clamp(beyond(yaw_of(drift.R), kTurnBand), -most_turn, most_turn));
   const double most = share * profile.reach.trunk;
+  Vec2 correction;
+  for (const int axis : {0, 1})
+    correction[axis] = std::clamp(beyond(shift[axis], kBand * profile.stance.com_height), -most, most);
   Vec3 p = com - R * com;
-  p.head<2>() += heading * Vec2(beyond(shift.x(), band, most), beyond(shift.y(), band, most));
+  p.head<2>() += heading * correction;
   return {p, R};
 }
 

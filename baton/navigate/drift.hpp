@@ -7,8 +7,6 @@ namespace baton {
 
 /// Displacement of the soles that counts as a slip [reach of a foot].
 inline constexpr double kSlip = 0.2;
-/// Displacement and turn of the soles that the planning frame of a robot at rest does not follow [COM height, rad].
-inline constexpr double kInPlace = 1e-3;
 
 /// Correction that a motion which guides the trunk applies for slipped soles: a displacement of the planning frame
 /// towards `context.slip_free_frame`, of at most a twentieth of the trunk's reach along, aside and round, each beyond a
