@@ -39,7 +39,7 @@ TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
   const Scratch scratch;
   const auto soak = [&](const std::string& file, const std::string& segments, std::vector<std::string> more = {}) {
     std::vector<std::string> args{"soak", "--on",      "ideal", "--segments", segments,          "--seed",
-                                  "3",    "--episode", "6",     "--report",   scratch.path(file)};
+                                  "5",    "--episode", "6",     "--report",   scratch.path(file)};
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
@@ -50,7 +50,7 @@ TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
   const nlohmann::json all = timeless(scratch.json("one.json"));
   EXPECT_EQ(all, timeless(scratch.json("two.json")));
   EXPECT_GE(all["segments"].get<int>(), 60);
-  EXPECT_GE(all["deflected_share"].get<double>(), 0.68);
+  EXPECT_GE(all["deflected_share"].get<double>(), 0.7);
   EXPECT_EQ(all["failures"], 0);
   const nlohmann::json& back = all["retrace"];
   EXPECT_GE(back["tried"].get<int>(), 5);
