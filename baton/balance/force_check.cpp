@@ -102,8 +102,8 @@ BySide<double> ForceCheck::felt_load(const Measurement& measurement, const Motio
   q_.tail(n) = measurement.q;
   // Planned speeds, as those of encoders are noisy.
   const BySide<Wrench> felt =
-      wrenches_.estimate({q_, planned.dq, planned.ddq.head<3>(), planned.ddq.segment<3>(3), planned.ddq.tail(n)},
-                         measurement.torque, kinematics_);
+      wrenches_.by_legs({q_, planned.dq, planned.ddq.head<3>(), planned.ddq.segment<3>(3), planned.ddq.tail(n)},
+                        measurement.torque, kinematics_);
   return {felt.left.force.z() / weight_, felt.right.force.z() / weight_};
 }
 

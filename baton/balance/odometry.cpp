@@ -58,7 +58,7 @@ const Measurement& Odometry::update(const Measurement& measurement, const Motion
     if (measurement.torque.size() == measurement.q.size()) {
       completed_.sole =
           wrenches_.estimate({q_, dq_, imu.acceleration, imu.R.transpose() * imu.angular_accel, planned.ddq.tail(n)},
-                             measurement.torque, kinematics_);
+                             measurement.torque, planned.contact, kinematics_);
     }
   }
   contact_.update(load_of(completed_.sole));

@@ -1,4 +1,5 @@
-/// Contact wrench on each sole, estimated from the motor torques of the leg, for a robot without force sensors.
+/// Contact wrench on each sole, estimated without force sensors: from the motor torques of the legs, the balance of the
+/// whole body, and the contacts that are planned.
 #pragma once
 
 #include "baton/model/contact.hpp"
@@ -19,17 +20,35 @@ class SoleWrenches {
     Eigen::Ref<const VecX> ddq;  ///< of the joints (n) [rad/s²]
   };
 
-  /// Contact wrenches in the sole frames, moment about the sole's centre. The contact gives what the joints of the leg
-  /// need by inverse dynamics beyond their motor torques. Zero where the leg is singular.
+  /// Contact wrenches in the sole frames, moment about the sole's centre: weighted least squares of the equations of
+  /// motion (docs/theory.md §6). Zero if they have no solution.
   /// @param torque motor torques (n) [N·m]
+  /// @param planned planned contacts
   /// @param kinematics gets set to `motion.q`
-  [[nodiscard]] BySide<Wrench> estimate(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics);
+  [[nodiscard]] BySide<Wrench> estimate(const BodyMotion& motion, const VecX& torque, const BySide<bool>& planned,
+                                        Kinematics& kinematics);
+  /// The same from the torques alone, each leg by itself: for a motion whose accelerations were not measured.
+  [[nodiscard]] BySide<Wrench> by_legs(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics);
 
  private:
+  /// Unknowns: force [weight] and moment [weight × COM height] on the left, then on the right sole, in world axes.
+  using Vec12 = Eigen::Matrix<double, 12, 1>;
+  using Mat12 = Eigen::Matrix<double, 12, 12>;
+
+  /// Begins with the equations of the legs.
+  void add_legs(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics);
+  /// Adds the equation column · unknowns = value.
+  /// @param error its standard deviation
+  void add(const Vec12& column, double value, double error);
+  [[nodiscard]] BySide<Wrench> solution(const Kinematics& kinematics) const;
+
   const RobotModel* robot_;
-  JacobianRows jacobian_;
+  Vec6 unit_;  ///< of force and moment [N], [N·m]
+  BySide<JacobianRows> jacobian_;
   VecX ddq_;
   VecX force_;
+  Mat12 gram_;
+  Vec12 asked_;
 };
 
 }  // namespace baton
