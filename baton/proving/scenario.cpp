@@ -21,6 +21,8 @@ constexpr double kFirstPush = 2.0;  ///< start of single pushes [s]
 constexpr int kDirections = 8;
 constexpr int kInstants = 20;
 constexpr double kPushInterval = 0.05;    ///< interval between instants of single pushes [s]
+constexpr double kPull = 5.0;             ///< time for which a hand is pulled [s]
+constexpr double kPause = 3.0;            ///< time until the next pull [s]
 constexpr double kSwingPeriod = 0.8;      ///< period of the swing motion of a foot in the air [s]
 constexpr double kShiftInterval = 2.0;    ///< interval between trunk shifts [s]
 constexpr double kShiftHold = 0.3;        ///< time the stick is held [s]
@@ -75,6 +77,14 @@ namespace {
 void push_often(Plant& plant, Draw& draw, double impulse) {
   for (double t = kFirstPush; t < draw.scenario.seconds; t += 1e-3 * draw.dice.between(2000, 4000))
     plant.pushes.push_back({t, 0.05, horizontal(M_PI * draw.dice.axis(), draw.impulse(impulse))});
+}
+
+/// One hand is pulled steadily, in random horizontal directions, with pauses.
+void pull_often(Plant& plant, Draw& draw, double force) {
+  const Side hand = draw.seed % 2 == 0 ? Side::left : Side::right;
+  const double impulse = kPull * draw.force(force) * draw.robot.mass() * kGravity;
+  for (double t = kFirstPush; t < draw.scenario.seconds; t += kPull + kPause)
+    plant.pushes.push_back({t, kPull, horizontal(M_PI * draw.dice.axis(), impulse), hand});
 }
 
 void push_once(Plant& plant, const Draw& draw, double impulse, double angle) {
@@ -225,6 +235,7 @@ const std::vector<Scenario>& scenarios() {
       {"stiff", "servos that take angles only"},
       {"stiff_tiles", "the same on tiles, 2 mm", kRandom, 60, [](Plant& p, Draw& d) { p.tiles += d.length(0.002); }},
       {"push", "0.6 N s every 2 to 4 s", kRandom, 60, [](Plant& p, Draw& d) { push_often(p, d, 0.6); }},
+      {"pull", "3 N at one hand for 5 s, every 8 s", kRandom, 60, [](Plant& p, Draw& d) { pull_often(p, d, 3.0); }},
       {"mix", "a milder mix of physics, noise and pushes", kRandom, 60, mix},
       {"real", "the profile's errors of sensors and actuators", kRandom, 60,
        [](Plant& p, Draw& d) { add_real(p, d.robot, [&d] { return d.times; }); }},

@@ -151,10 +151,10 @@ int abduction(const RobotModel& robot, Side side) {
       fmt::format("robot {}: the {} leg has no joint for abduction", robot.profile().name, to_string(side)));
 }
 
-Vec3 Plant::force(double t) const {
+Vec3 Plant::force(double t, std::optional<Side> hand) const {
   Vec3 sum = Vec3::Zero();
   for (const Push& push : pushes) {
-    if (t >= push.t && t < push.t + push.duration) sum += push.impulse / push.duration;
+    if (push.hand == hand && t >= push.t && t < push.t + push.duration) sum += push.impulse / push.duration;
   }
   return sum;
 }

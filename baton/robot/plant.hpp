@@ -9,11 +9,12 @@
 
 namespace baton {
 
-/// A constant force at the trunk's COM for a short time.
+/// A constant force for some time.
 struct Push {
   double t = 0.0;               ///< start [s]
   double duration = 0.05;       ///< [s]
   Vec3 impulse = Vec3::Zero();  ///< in the world frame [N·s]
+  std::optional<Side> hand{};   ///< hand that it acts on; none: the trunk's COM
 
   bool operator==(const Push&) const = default;
 };
@@ -35,8 +36,8 @@ struct Plant {
 
   bool operator==(const Plant&) const = default;
 
-  /// Total push force at time t [N].
-  [[nodiscard]] Vec3 force(double t) const;
+  /// Total push force on a hand, or on the trunk, at time t [N].
+  [[nodiscard]] Vec3 force(double t, std::optional<Side> hand = std::nullopt) const;
 };
 
 /// Index of the leg's first joint about a forward axis, its abduction.

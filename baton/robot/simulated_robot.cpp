@@ -102,7 +102,7 @@ void SimulatedRobot::write(const JointTarget& target) {
       torque_[static_cast<Eigen::Index>(j)] += torque.motor;
     }
     ++torques_;
-    Eigen::Map<Vec3>(data_->xfrc_applied + 6 * in_world_.root_body) = parameters_.plant.force(data_->time);
+    apply_pushes();
     mj_step(model_.get(), data_.get());
     while (!due_.empty() && due_.front() < data_->time + 0.5 * parameters_.timestep) {
       if (due_.front() > measured_at_ + 0.5 * parameters_.timestep) {
@@ -117,6 +117,19 @@ void SimulatedRobot::write(const JointTarget& target) {
   if (truth_.t != data_->time) observe();
   readings_.pop_front();
   check_fall();
+}
+
+void SimulatedRobot::apply_pushes() {
+  Eigen::Map<Vec3>(data_->xfrc_applied + 6 * in_world_.root_body) = parameters_.plant.force(data_->time);
+  for (const Side side : kSides) {
+    const int body = in_world_.hand_body[side];
+    const Eigen::Map<const Vec3> origin(data_->xpos + 3 * body);
+    const Eigen::Map<const Vec3> centre(data_->xipos + 3 * body);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(data_->xmat + 9 * body);
+    const Vec3 hand = origin + axes * robot_->hand_in_body(side).p;
+    const Vec3 force = parameters_.plant.force(data_->time, side);
+    Eigen::Map<Vec6>(data_->xfrc_applied + 6 * body) << force, (hand - centre).cross(force);
+  }
 }
 
 Measurement SimulatedRobot::read() {

@@ -45,6 +45,8 @@ class SimulatedRobot : public Robot {
   void measure();
   /// Draws when the measurement is taken that is read at the end of the next tick.
   void schedule();
+  /// Sets the forces of the plant's pushes, for the next step.
+  void apply_pushes();
   void check_fall();
 
   const RobotModel* robot_;

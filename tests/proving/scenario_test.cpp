@@ -139,6 +139,10 @@ TEST(Scenario, HasTheSizeThatItSays) {
     EXPECT_NEAR(plant("push_walk").pushes.at(0).impulse.norm(), 0.6, 1e-3);
     EXPECT_NEAR(plant("push_side").pushes.at(0).impulse.x(), 0.0, 1e-9);
     EXPECT_NEAR(plant("push_fore").pushes.at(0).impulse.y(), 0.0, 1e-9);
+    for (const Push& pull : plant("pull").pushes) {
+      EXPECT_NEAR(pull.impulse.norm() / pull.duration, 3.0, 5e-3);
+      EXPECT_TRUE(pull.hand.has_value());
+    }
     EXPECT_NEAR(plant("payload").payload.left + plant("payload").payload.right, 0.5, 1e-3);
     EXPECT_NEAR(plant("sensor_delay", 2.0).sensors.delay, 0.020, 1e-12);
     EXPECT_NEAR(plant("wander", 2.0).sensors.imu_wander, 2.0 * M_PI / 180.0, 1e-12);
@@ -246,6 +250,40 @@ TEST(Scenario, AStepCatchesMightyFromAPushThatStandingCannotHold) {
     EXPECT_TRUE(session.resting());
     EXPECT_EQ(session.navigator().guard(), Guard::armed);
     EXPECT_GT(farthest, robot.profile().margin.stand_on) << "no push that standing can hold";
+  }
+}
+
+TEST(Scenario, ASteadyPullAtAHandIsNoDisturbance) {
+  const RobotModel& robot = test::robot("mighty");
+  const World world = World::load("flat");
+  for (const int direction : {0, 1, 2, 3, 4, 5, 6, 7}) {
+    const double angle = direction * M_PI_4;
+    const Side hand = direction % 2 == 0 ? Side::left : Side::right;
+    SimulatedRobot::Parameters parameters;
+    parameters.plant.pushes = {{2.0, 8.0, 24.0 * Vec3(std::cos(angle), std::sin(angle), 0.0), hand}};
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
+    const auto rest_until = [&](double t) {
+      while (session.t() < t)
+        session.step({});
+      EXPECT_FALSE(session.fallen()) << direction;
+      EXPECT_FALSE(session.navigator().disturbed()) << direction << " at " << t;
+    };
+    const auto walk_until = [&](double t) {
+      const long before = session.navigator().committed();
+      while (session.t() < t)
+        session.step({.axes = Vec6::Unit(0)});
+      EXPECT_GE(session.navigator().committed(), before + 4) << direction << " at " << t;
+    };
+    rest_until(2.0);
+    EXPECT_LT(session.navigator().correction().com_offset.norm(), 1e-3);
+    rest_until(6.0);
+    EXPECT_GT(session.navigator().correction().com_offset.norm(), 5e-3) << "the pull was not felt";
+    walk_until(9.0);
+    rest_until(14.0);
+    EXPECT_LT(session.navigator().correction().com_offset.norm(), 3e-3) << "it has ended";
+    walk_until(17.0);
+    rest_until(19.0);
   }
 }
 

@@ -196,6 +196,32 @@ TEST_P(PlantTest, APushIsThatMuchMomentum) {
   }
 }
 
+TEST_P(PlantTest, AForceOnAHandActsThere) {
+  const auto applied = [](const SimulatedRobot& body, int id) {
+    return Vec6(Eigen::Map<const Vec6>(body.data().xfrc_applied + 6 * id));
+  };
+  kinematics_.set(home_.q);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Side side = trial % 2 == 0 ? Side::left : Side::right;
+    const Vec3 force = 0.1 * weight_ * random_.direction();
+    Plant plant;
+    plant.pushes = {{0.0, 2.0, 2.0 * force, side}};
+    EXPECT_TRUE(plant.force(1.0).isZero(0.0)) << "not on the trunk";
+    EXPECT_TRUE(plant.force(1.0, other(side)).isZero(0.0));
+    SimulatedRobot body(robot_, world_, home_, kStep, with(plant));
+    body.write(hold());
+    for (int b = 0; b < body.model().nbody; ++b) {
+      const bool pulled =
+          name_of(body.model(), mjOBJ_BODY, b) == name_of(robot_.mj(), mjOBJ_BODY, robot_.hand_body(side));
+      const Vec6 wrench = applied(body, b);
+      ASSERT_LT((wrench.head<3>() - (pulled ? force : Vec3(Vec3::Zero()))).norm(), 1e-12 * weight_);
+      const Eigen::Map<const Vec3> centre(body.data().xipos + 3 * b);
+      const Vec3 at_hand = wrench.tail<3>() + (centre - kinematics_.hand(side).p).cross(wrench.head<3>());
+      ASSERT_LT(at_hand.norm(), 1e-4 * force.norm() * size_) << "a moment about the hand";
+    }
+  }
+}
+
 TEST_P(PlantTest, TargetsActAsLateAsTheyAreDelayed) {
   struct Case {
     double period;
