@@ -45,6 +45,10 @@ int replay(const ReplayOptions& o) {
     if (o.verify && !(same_bits(target.q, tick->target) && checksum(target) == tick->checksum)) {
       return differs("the joint targets differ from the recorded ones");
     }
+    const HealthChanges sensors = health_changes(navigator.events());
+    if (o.verify && sensors != tick->sensors) return differs("the sensors' health differs from the recorded one");
+    for (const auto& [sensor, health] : sensors)
+      fmt::print("tick {}: sensor {} is {}\n", navigator.now(), sensor, health);
     navigator.poll();
     for (const PlanningEvent event : tick->events) {
       if (event == PlanningEvent::answer) {

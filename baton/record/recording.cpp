@@ -108,6 +108,15 @@ std::string checksum(const JointTarget& target) {
   return fmt::format("{:016x}", hash);
 }
 
+HealthChanges health_changes(std::span<const Event> events) {
+  HealthChanges changes;
+  for (const Event& event : events) {
+    if (const auto* changed = std::get_if<SensorChanged>(&event))
+      changes.emplace(to_string(changed->sensor), to_string(changed->health));
+  }
+  return changes;
+}
+
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Json& head)
     : file_(file), out_(open_stream(file, "--record")) {
   Json first = {{"baton_recording", kVersion}};
@@ -123,6 +132,8 @@ void RecordingWriter::on_tick(const TickRecord& record) {
   const Command& command = record.navigator.command();
   if (first_ || !(command == command_)) line["c"] = command_json(command);
   if (record.truth != nullptr && record.truth->fallen) line["fallen"] = true;
+  const HealthChanges sensors = health_changes(record.navigator.events());
+  if (!sensors.empty()) line["sensors"] = sensors;
   command_ = command;
   first_ = false;
   tick_ = line.dump();
@@ -204,6 +215,15 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   tick.command = command_;
   tick.target = read.at("target").vector(joints, tick.fallen);
   tick.checksum = read.at("sum").text();
+  if (read.has("sensors")) {
+    const JsonReader changes = read.at("sensors");
+    for (const Sensor sensor : kSensors) {
+      const std::string name(to_string(sensor));
+      if (changes.has(name.c_str()))
+        tick.sensors[name] = changes.at(name.c_str()).one_of({"good", "bridged", "lost"});
+    }
+    if (changes.json().size() != tick.sensors.size()) changes.fail("an object whose keys are sensors");
+  }
   if (read.has("events")) {
     for (const JsonReader& event : read.at("events").list())
       tick.events.push_back(event.one_of({"ask", "offer"}) == "ask" ? PlanningEvent::ask : PlanningEvent::answer);

@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +17,10 @@ namespace baton {
 
 /// Checksum over all bits of a joint target.
 [[nodiscard]] std::string checksum(const JointTarget& target);
+
+/// Which sensors' health has changed in a tick, and to what, in words.
+using HealthChanges = std::map<std::string, std::string>;
+[[nodiscard]] HealthChanges health_changes(std::span<const Event> events);
 
 class RecordingWriter : public Sink {
  public:
@@ -45,6 +51,7 @@ struct RecordedTick {
   Measurement measurement;
   Command command;
   bool fallen = false;                ///< the robot had fallen
+  HealthChanges sensors;
   std::vector<PlanningEvent> events;  ///< after the tick, in order
   VecX target;                        ///< joint angles commanded by the navigator [rad]
   std::string checksum;               ///< of the whole joint target

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
 
 #include "app/app.hpp"
 #include "app/outputs.hpp"
@@ -102,6 +104,46 @@ TEST_F(Replay, AlsoOfARunThatIsPushedAndWhoseAnswersComeLateOrNever) {
     }
   }
   EXPECT_GT(dropped, 10);
+}
+
+TEST_F(Replay, TellsWhichSensorsWereNotBelievedAndNoticesADifference) {
+  record("sim", {"--fast", "--scenario", "glitches", "--times", "20", "--seed", "4"});
+  const Outcome again = run({"replay", file_, "--verify"});
+  EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
+  std::vector<std::string> text = lines();
+  long changes = 0;
+  std::size_t changed = 0;
+  for (std::size_t k = 1; k < text.size(); ++k) {
+    const nlohmann::json line = nlohmann::json::parse(text[k]);
+    if (!line.contains("sensors")) continue;
+    for (const auto& [sensor, health] : line["sensors"].items()) {
+      ++changes;
+      EXPECT_THAT(again.out, HasSubstr("tick " + std::to_string(k - 1) + ": sensor " + sensor + " is " +
+                                       health.get<std::string>() + "\n"));
+    }
+    changed = k;
+  }
+  ASSERT_GT(changes, 4);
+  EXPECT_EQ(std::count(again.out.begin(), again.out.end(), '\n'), changes + 1);
+
+  const auto with = [&](const std::function<void(nlohmann::json&)>& change) {
+    nlohmann::json line = nlohmann::json::parse(text[changed]);
+    change(line);
+    std::ofstream out(file_);
+    for (std::size_t k = 0; k < text.size(); ++k)
+      out << (k == changed ? line.dump() : text[k]) << '\n';
+    out.close();
+    return run({"replay", file_, "--verify"});
+  };
+  const Outcome other = with([](nlohmann::json& line) { line.erase("sensors"); });
+  EXPECT_EQ(other.code, app::kFailed);
+  EXPECT_THAT(other.out, HasSubstr("the sensors' health differs from the recorded one"));
+  const Outcome bad = with([](nlohmann::json& line) { line["sensors"].begin().value() = "ill"; });
+  EXPECT_EQ(bad.code, app::kBadInput);
+  EXPECT_THAT(bad.err, HasSubstr("must be good, bridged or lost"));
+  const Outcome unknown = with([](nlohmann::json& line) { line["sensors"]["nose"] = "lost"; });
+  EXPECT_EQ(unknown.code, app::kBadInput);
+  EXPECT_THAT(unknown.err, HasSubstr("must be an object whose keys are sensors"));
 }
 
 TEST_F(Replay, NoticesAnythingElse) {
