@@ -238,6 +238,50 @@ TEST_P(RefusalsTest, ARestThatCannotBeHeldForEverNeedsAWayToOneThatCan) {
   EXPECT_NEAR(warm.refusal()->value, 1.0 / (0.99 * 0.99), 1e-6);
 }
 
+TEST_P(RefusalsTest, AHotRobotHasAWayToCoolWhereverItWasLetGo) {
+  Case c;
+  c.profile = robot_.profile();
+  for (const Joint& joint : robot_.joints())
+    c.profile.heat[joint.name].continuous *= 0.8;
+  const RobotModel weak(c.profile);
+  const double h = weak.profile().stance.com_height;
+  const std::string file = test::temp_folder() + "by_a_wall.xml";
+  std::ofstream(file) << "<mujoco><worldbody><site name=\"start\"/>" << kFloor
+                      << fmt::format(R"(<geom name="wall" type="box" pos="{} 0 {}" size="{} 9 {}"/>)", 0.75 * h,
+                                     2.0 * h, 0.1 * h, 1.5 * h)
+                      << "</worldbody></mujoco>";
+  const World world{file};
+  Strategy strategy(weak, world, {DurationRule::paper, OnLimit::discard});
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int hot = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    Request request;
+    request.start.context = test::at_home(weak);
+    request.start.context.com_offset = 0.12 * h * Vec2(unit(random), unit(random));
+    request.start.context.place_uncertainty = 0.2 * h * std::abs(unit(random));
+    for (int leg = 0; leg < 3; ++leg) {  // of the way
+      request.start.posture = request.start.context.from;
+      request.command = test::random_command(random);
+      if (leg == 0) request.command = push(Part::trunk, 0, 1.0);
+      request.intents = {intent_of(request.command)};
+      const Answer answer = strategy.plan(request);
+      if (answer.motion() == nullptr) continue;
+      test::go_on(request.start.context, *answer.motion());
+      if (answer.motion()->held.total <= 1.0 || !answer.motion()->end.contact.left ||
+          !answer.motion()->end.contact.right)
+        continue;
+      ++hot;
+      Request cooling = request;
+      cooling.start.posture = cooling.start.context.from;
+      cooling.start.posture.heat = at_least(cooling.start.posture.heat, kHot);
+      cooling.intents = {Cool{}};
+      EXPECT_NE(strategy.plan(cooling).motion(), nullptr) << trial << " " << leg;
+    }
+  }
+  EXPECT_GT(hot, 40);
+}
+
 TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {
   for (std::size_t i = 0; i < kReasons; ++i) {
     const auto reason = static_cast<Reason>(i);
