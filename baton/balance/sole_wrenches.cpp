@@ -4,9 +4,11 @@ namespace baton {
 namespace {
 
 // Standard deviations of what the least squares rest on.
-constexpr double kBalance = 0.02;   ///< of the force [weight] and the moment [weight × COM height] of the whole body
+constexpr double kForce = 0.05;     ///< of the whole body's force by inverse dynamics: masses, pushes [weight]
+constexpr double kMoment = 0.1;     ///< of its moment: payloads, pulls at a hand [weight × COM height]
 constexpr double kFriction = 0.05;  ///< of a motor torque [stall torque]
-constexpr double kInTheAir = 0.3;   ///< of the force on a sole that is planned in the air [weight]
+constexpr double kInTheAir = 0.3;   ///< of force and moment on a sole that is planned in the air, as the two above
+constexpr double kHeldUp = 0.5;     ///< load by the legs below which somebody else carries the robot [weight]
 
 /// The six numbers of one sole.
 template <class Vector>
@@ -27,13 +29,13 @@ SoleWrenches::SoleWrenches(const RobotModel& robot)
 
 BySide<Wrench> SoleWrenches::estimate(const BodyMotion& motion, const VecX& torque, const BySide<bool>& planned,
                                       Kinematics& kinematics) {
-  add_legs(motion, torque, kinematics);
-  for (int i = 0; i < 6; ++i) {
-    Vec12 column;
-    for (const Side side : kSides)
-      of_sole(column, side) = unit_.cwiseProduct(jacobian_[side].col(i));
-    add(column, force_[i], kBalance * unit_[i]);
-  }
+  const BySide<Wrench> legs = by_legs(motion, torque, kinematics);
+  double load = 0.0;
+  for (const Side side : kSides)
+    load += (kinematics.sole(side).R * legs[side].force).z();
+  if (!(load >= kHeldUp * unit_[0])) return legs;
+  for (int i = 0; i < 6; ++i)
+    add(i, force_[i], unit_[i] * (i < 3 ? kForce : kMoment));
   for (const Side side : kSides) {
     if (!planned[side]) of_sole(gram_.diagonal(), side).array() += 1.0 / (kInTheAir * kInTheAir);
   }
@@ -41,32 +43,28 @@ BySide<Wrench> SoleWrenches::estimate(const BodyMotion& motion, const VecX& torq
 }
 
 BySide<Wrench> SoleWrenches::by_legs(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics) {
-  add_legs(motion, torque, kinematics);
-  return solution(kinematics);
-}
-
-void SoleWrenches::add_legs(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics) {
   ddq_.head<3>() = motion.acceleration;
   ddq_.segment<3>(3) = motion.angular_accel;
   ddq_.tail(robot_->nv() - 6) = motion.ddq;
   kinematics.inverse_dynamics(motion.q, motion.dq, ddq_, force_);
+  for (const Side side : kSides)
+    kinematics.sole_jacobian(side, jacobian_[side]);
   gram_.setZero();
   asked_.setZero();
-  for (const Side side : kSides) {
-    kinematics.sole_jacobian(side, jacobian_[side]);
-    for (const int j : robot_->leg(side)) {
-      const Motor& motor = robot_->joints()[static_cast<std::size_t>(j)].motor;
-      Vec12 column = Vec12::Zero();
-      of_sole(column, side) = unit_.cwiseProduct(jacobian_[side].col(6 + j));
-      add(column, force_[6 + j] + motor.damping * motion.dq[6 + j] - torque[j], kFriction * motor.stall);
-    }
+  for (Eigen::Index j = 0; j < torque.size(); ++j) {  // of those outside the legs, the Jacobians are zero
+    const Motor& motor = robot_->joints()[static_cast<std::size_t>(j)].motor;
+    add(6 + j, force_[6 + j] + motor.damping * motion.dq[6 + j] - torque[j], kFriction * motor.stall);
   }
+  return solution(kinematics);
 }
 
-void SoleWrenches::add(const Vec12& column, double value, double error) {
-  const Vec12 weighted = column / (error * error);
-  gram_ += weighted * column.transpose();
-  asked_ += weighted * value;
+void SoleWrenches::add(Eigen::Index dof, double force, double error) {
+  Vec12 row;
+  for (const Side side : kSides)
+    of_sole(row, side) = unit_.cwiseProduct(jacobian_[side].col(dof));
+  const Vec12 weighted = row / (error * error);
+  gram_ += weighted * row.transpose();
+  asked_ += weighted * force;
 }
 
 BySide<Wrench> SoleWrenches::solution(const Kinematics& kinematics) const {

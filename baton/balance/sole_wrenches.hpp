@@ -21,13 +21,15 @@ class SoleWrenches {
   };
 
   /// Contact wrenches in the sole frames, moment about the sole's centre: weighted least squares of the equations of
-  /// motion (docs/theory.md §6). Zero if they have no solution.
+  /// motion (docs/theory.md §6). Those of `by_legs` if the legs carry less than half of the weight, as when the robot is
+  /// held up. Zero if an input is not finite.
   /// @param torque motor torques (n) [N·m]
   /// @param planned planned contacts
   /// @param kinematics gets set to `motion.q`
   [[nodiscard]] BySide<Wrench> estimate(const BodyMotion& motion, const VecX& torque, const BySide<bool>& planned,
                                         Kinematics& kinematics);
-  /// The same from the torques alone, each leg by itself: for a motion whose accelerations were not measured.
+  /// The same from the torques alone, each leg by itself: for a motion whose accelerations were not measured. Without
+  /// meaning for a leg that is singular.
   [[nodiscard]] BySide<Wrench> by_legs(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics);
 
  private:
@@ -35,11 +37,10 @@ class SoleWrenches {
   using Vec12 = Eigen::Matrix<double, 12, 1>;
   using Mat12 = Eigen::Matrix<double, 12, 12>;
 
-  /// Begins with the equations of the legs.
-  void add_legs(const BodyMotion& motion, const VecX& torque, Kinematics& kinematics);
-  /// Adds the equation column · unknowns = value.
+  /// Adds the equation of a degree of freedom.
+  /// @param force generalised force that the contacts give there
   /// @param error its standard deviation
-  void add(const Vec12& column, double value, double error);
+  void add(Eigen::Index dof, double force, double error);
   [[nodiscard]] BySide<Wrench> solution(const Kinematics& kinematics) const;
 
   const RobotModel* robot_;

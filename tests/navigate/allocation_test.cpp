@@ -6,6 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "baton/balance/odometry.hpp"
+#include "baton/robot/simulated_robot.hpp"
 #include "tests/navigate/fuzzed_run.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
@@ -107,6 +109,29 @@ TEST_F(AllocationTest, NoTickOfARandomRunAllocates) {
         ASSERT_EQ(std::exchange(calls, 0), 0) << name << " at tick " << k;
       }
       EXPECT_GT(trip.navigator().committed(), 40);
+    }
+  }
+}
+
+TEST_F(AllocationTest, NorDoesTheEstimateOfForcesByMotorTorques) {
+  for (const char* name : {"mighty", "scaled"}) {
+    const RobotModel& robot = test::robot(name);
+    const Posture home = stand(robot, Pose{}, robot.profile().stance.com_height);
+    const World world = World::load("flat");
+    Odometry odometry(robot, world, StateSource::torques, home);
+    SimulatedRobot body(robot, world, home, robot.profile().tick.period);
+    Measurement measurement = body.read();
+    MotionSample planned;
+    planned.q = home.q;
+    planned.dq = planned.ddq = VecX::Zero(robot.nv());
+    planned.sole = home.sole;
+    for (int k = 0; k < 200; ++k) {
+      planned.contact = {k % 40 < 30, true};
+      measurement.torque = VecX::Constant(robot.nv() - 6, 0.01 * (k % 20));
+      counting = true;
+      seen = odometry.update(measurement, planned).q[0];
+      counting = false;
+      ASSERT_EQ(std::exchange(calls, 0), 0) << name << " at " << k;
     }
   }
 }
