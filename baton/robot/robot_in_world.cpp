@@ -17,7 +17,7 @@ RobotInWorld RobotInWorld::find(const RobotModel& robot, const mjModel& m, const
   found.root_qpos = m.jnt_qposadr[m.body_jntadr[root]];
   found.root_dof = m.jnt_dofadr[m.body_jntadr[root]];
   for (const Side side : kSides)
-    found.hand_body[side] = find_id(m, mjOBJ_BODY, name_of(robot.mj(), mjOBJ_BODY, robot.hand_body(side)), owner);
+    found.hand_site[side] = find_id(m, mjOBJ_SITE, robot.profile().parts.hand[side == Side::left ? 0 : 1], owner);
   for (const Joint& joint : robot.joints()) {
     const int id = find_id(m, mjOBJ_JOINT, joint.name, owner);
     int motor = -1;

@@ -120,15 +120,18 @@ void SimulatedRobot::write(const JointTarget& target) {
 }
 
 void SimulatedRobot::apply_pushes() {
-  Eigen::Map<Vec3>(data_->xfrc_applied + 6 * in_world_.root_body) = parameters_.plant.force(data_->time);
+  const auto wrench_on = [this](int body) { return Eigen::Map<Vec6>(data_->xfrc_applied + 6 * body); };
+  const BySide<int>& site = in_world_.hand_site;
+  for (const Side side : kSides)
+    wrench_on(model_->site_bodyid[site[side]]).setZero();
+  wrench_on(in_world_.root_body) << parameters_.plant.force(data_->time), Vec3::Zero();
   for (const Side side : kSides) {
-    const int body = in_world_.hand_body[side];
-    const Eigen::Map<const Vec3> origin(data_->xpos + 3 * body);
+    const int body = model_->site_bodyid[site[side]];
+    const Eigen::Map<const Vec3> hand(data_->site_xpos + 3 * site[side]);
     const Eigen::Map<const Vec3> centre(data_->xipos + 3 * body);
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(data_->xmat + 9 * body);
-    const Vec3 hand = origin + axes * robot_->hand_in_body(side).p;
     const Vec3 force = parameters_.plant.force(data_->time, side);
-    Eigen::Map<Vec6>(data_->xfrc_applied + 6 * body) << force, (hand - centre).cross(force);
+    wrench_on(body).head<3>() += force;
+    wrench_on(body).tail<3>() += (hand - centre).cross(force);
   }
 }
 
