@@ -28,7 +28,7 @@ std::shared_ptr<const Trail> trail_with(const Start& start, const Motion& motion
 }
 
 /// What goals are relative to once a motion that began in `context` has ended.
-GuideContext resting(const Posture& end, const GuideContext& context) {
+GuideContext context_at(const Posture& end, const GuideContext& context) {
   GuideContext there{end, context.anchor, context.last_step, context.foothold};
   there.com_offset = context.com_offset;
   there.place_uncertainty = context.place_uncertainty;
@@ -302,7 +302,7 @@ std::optional<Refusal> Strategy::no_landing(const Motion& motion, const GuideCon
   if (end.contact.left && end.contact.right) return std::nullopt;
   end.heat = at_least(std::move(end.heat), kHot);  // at the latest then it lands
   const Side up = end.contact.left ? Side::right : Side::left;
-  GuideResult landings = guide_.landings(resting(end, context), up);
+  GuideResult landings = guide_.landings(context_at(end, context), up);
   std::optional<Refusal> against;
   if (const auto* goals = std::get_if<std::vector<Goal>>(&landings)) {
     for (const Goal& goal : *goals) {
@@ -326,7 +326,7 @@ std::optional<Refusal> Strategy::no_cooling(const Motion& motion, const GuideCon
   if (!motion.end.contact.left || !motion.end.contact.right || motion.held.total <= 1.0) return std::nullopt;
   Posture end = motion.end;
   end.heat = at_least(std::move(end.heat), kHot);  // at the latest then it stands straighter
-  if (straightened(normal_, end, resting(end, context))) return std::nullopt;
+  if (straightened(normal_, end, context_at(end, context))) return std::nullopt;
   const auto joint = static_cast<std::size_t>(motion.held.joint);
   return Refusal{Reason::motor_heat, Part::trunk, motion.held.total, 1.0, robot_->joints()[joint].name};
 }

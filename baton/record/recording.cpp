@@ -217,6 +217,7 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   tick.checksum = read.at("sum").text();
   if (read.has("sensors")) {
     const JsonReader changes = read.at("sensors");
+    if (!changes.json().is_object()) changes.fail("an object whose keys are sensors");
     for (const Sensor sensor : kSensors) {
       const std::string name(to_string(sensor));
       if (changes.has(name.c_str()))

@@ -255,7 +255,7 @@ TEST_P(RefusalsTest, AHotRobotHasAWayToCoolWhereverItWasLetGo) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   int hot = 0;
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int trial = 0; trial < 40; ++trial) {
     Request request;
     request.start.context = test::at_home(weak);
     request.start.context.com_offset = 0.12 * h * Vec2(unit(random), unit(random));
@@ -279,7 +279,7 @@ TEST_P(RefusalsTest, AHotRobotHasAWayToCoolWhereverItWasLetGo) {
       EXPECT_NE(strategy.plan(cooling).motion(), nullptr) << trial << " " << leg;
     }
   }
-  EXPECT_GT(hot, 40);
+  EXPECT_GT(hot, 15);
 }
 
 TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {
