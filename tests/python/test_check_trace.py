@@ -38,8 +38,6 @@ FORGED = {
     "stand-real": ("stand", ["--plant", "real"]),
 }
 MOVING = [name for name in FORGED if not name.startswith("stand")]
-# With `stiff` on the plant `real` contacts shake: of the seeds 0 to 11, six exceed `newton_zmp`, by 37 % at most; 5 is
-# none of them.
 SCENARIOS = ["push", "mix", "tiles", "slope", "noise", "stiff"]
 
 
