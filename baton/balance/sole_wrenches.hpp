@@ -21,8 +21,8 @@ class SoleWrenches {
   };
 
   /// Contact wrenches in the sole frames, moment about the sole's centre: weighted least squares of the equations of
-  /// motion (docs/theory.md §6). Those of `by_legs` if the legs carry less than half of the weight, as when the robot is
-  /// held up. Zero if an input is not finite.
+  /// motion (docs/theory.md §6). Those of `by_legs` if the legs carry less than half of the weight, as when the robot
+  /// is held up. Zero if an input is not finite.
   /// @param torque motor torques (n) [N·m]
   /// @param planned planned contacts
   /// @param kinematics gets set to `motion.q`

@@ -50,7 +50,7 @@ class RecordingWriter : public Sink {
 struct RecordedTick {
   Measurement measurement;
   Command command;
-  bool fallen = false;                ///< the robot had fallen
+  bool fallen = false;  ///< the robot had fallen
   HealthChanges sensors;
   std::vector<PlanningEvent> events;  ///< after the tick, in order
   VecX target;                        ///< joint angles commanded by the navigator [rad]
