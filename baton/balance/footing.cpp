@@ -30,6 +30,7 @@ constexpr double kMaxPlace = 0.1;        ///< bound of the horizontal offset
 constexpr double kMaxTurn = 0.2;         ///< bound of the offset in tilt and yaw [rad]
 constexpr double kTippingTime = 0.18;    ///< time after which an excess moment in one direction means tipping
 constexpr double kMaxTippingGain = 4.0;  ///< largest factor on compliance with excess moment while tipping
+constexpr double kMaxSoftGain = 4.0;     ///< largest factor on soft ground
 constexpr double kAirRate = 1.6;         ///< decay of the offset in the air
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
 constexpr double kOld = 0.066;           ///< age of measurements that halves all compliance
@@ -56,7 +57,9 @@ Footing::Footing(const RobotModel& robot)
       period_(robot.omega() * robot.profile().tick.period),
       height_(robot.profile().stance.com_height),
       weight_(robot.mass() * kGravity),
-      softness_(std::min(1.0, kStiffServo * weight_ * height_ / ankle_stiffness(robot))),
+      ankle_(ankle_stiffness(robot) / (weight_ * height_)),
+      softness_(std::min(1.0, kStiffServo / ankle_)),
+      ground_(period_),
       rows_(6, robot.nv()),
       shift_(VecX::Zero(robot.nv() - 6)),
       shifted_(VecX::Zero(robot.nv() + 1)) {}
@@ -121,8 +124,12 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   const double heavier = (force.force.z() - wanted.force.z()) / weight_;
   const double yields = share_of(compliance_ * kYieldHeight) * height_;
   offset.p.z() += carries * yields * beyond(heavier, kForceBand);
+  const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
+  ground_.update(side, turned, force.moment.head<2>() / (weight_ * height_), now.contact[side] && carries >= 1.0);
+  // In series with soft ground an ankle turns that much farther for the same moment.
+  const double farther = std::min(1.0 + ankle_ * ground_.estimate(), kMaxSoftGain);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
-  const double band = kMomentBand * force.force.z() / weight_;
+  const double band = kMomentBand / farther * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);
   Tipping& tipping = tipping_[side];
   tipping.duration = tips.dot(tipping.moment) > 0.0 ? tipping.duration + period_ : 0.0;
@@ -130,13 +137,12 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   // Terrain under the whole sole would have balanced a moment that lasts so long: the sole tips on an edge. The state
   // is kept in the air until the sole lands.
   const double faster = std::clamp(tipping.duration / kTippingTime, 1.0, kMaxTippingGain);
-  offset.turn.head<2>() += carries * share_of(compliance_ * kYieldTilt) * faster * tips;
+  offset.turn.head<2>() += carries * share_of(compliance_ * kYieldTilt) * std::max(faster, farther) * tips;
 
   // A sole that tips over its edge tells nothing about the terrain.
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;
   const Vec2 pressure = Vec2(-moment.y(), moment.x()) / force.force.z();
   if (robot_->sole(side).margin(pressure) > kFlatMargin * height_) {
-    const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
     const Vec2 inclined = beyond(turned, kTiltBand);
     offset.turn.head<2>() += carries * share_of(kFollowTilt) * (inclined - offset.turn.head<2>());
     floor_tilt_ = bounded(Vec2(floor_tilt_ + carries * share_of(kFloorRate) * (inclined - floor_tilt_)), kMaxTurn);

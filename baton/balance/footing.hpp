@@ -2,6 +2,7 @@
 /// comply with excess contact forces, so that the trunk stays where it was planned (docs/balance.md).
 #pragma once
 
+#include "baton/balance/ground_compliance.hpp"
 #include "baton/balance/state.hpp"
 
 namespace baton {
@@ -59,7 +60,9 @@ class Footing {
   double period_;    ///< [1/ω]
   double height_;    ///< nominal COM height [m]
   double weight_;    ///< [N]
+  double ankle_;     ///< kp of the stiffer ankle [weight × COM height/rad]
   double softness_;  ///< factor on all compliance, less than 1 with stiff servos
+  GroundCompliance ground_;
   JacobianRows rows_;
   VecX shift_;    ///< latest change of the joint angles (n) [rad]
   VecX shifted_;  ///< planned configuration with that change (nq)

@@ -550,5 +550,35 @@ TEST_P(FootingTest, ASoleThatTipsOverItsEdgeSaysNothingAboutTheGround) {
   }
 }
 
+TEST_P(FootingTest, OnGroundThatWasFeltToBeSoftASoleYieldsFasterAndToLess) {
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vec3 way = random_.direction();
+    const auto after = [&](double compliance, double excess) {
+      Footing footing(robot_);
+      BySide<Wrench> force = halves_;
+      const double unit = weight_ * size_;
+      for (int tick = 0; tick < 20 * second_; ++tick) {
+        const Vec3 moment = 0.03 * std::sin(0.3 + 8.0 * tick / second_) * way;  // within the dead band
+        State state = as_planned(held_, halves_);
+        state.force.left.moment += moment * unit;
+        BySide<Wrench> wanted = halves_;
+        wanted.left.moment += moment * unit;
+        state.sole.left.R = rotation_exp(-compliance * moment) * state.sole.left.R;
+        footing.follow(held_, held_, state, wanted);
+      }
+      const Vec3 before = footing.offset().left.turn;
+      force.left.moment += excess * unit * way;
+      for (int tick = 0; tick < 4; ++tick)
+        footing.follow(held_, held_, as_planned(held_, force), halves_);
+      return (footing.offset().left.turn - before).dot(way);
+    };
+    const double firm = after(0.0, 0.05);
+    EXPECT_GT(firm, 0.0);
+    EXPECT_GT(after(1.0, 0.05), 2.0 * firm);
+    EXPECT_EQ(after(0.0, 0.015), 0.0) << "within the dead band";
+    EXPECT_GT(after(1.0, 0.015), 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace baton
