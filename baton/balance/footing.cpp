@@ -57,8 +57,8 @@ Footing::Footing(const RobotModel& robot)
       period_(robot.omega() * robot.profile().tick.period),
       height_(robot.profile().stance.com_height),
       weight_(robot.mass() * kGravity),
-      ankle_(ankle_stiffness(robot) / (weight_ * height_)),
-      softness_(std::min(1.0, kStiffServo / ankle_)),
+      ankle_kp_(ankle_stiffness(robot) / (weight_ * height_)),
+      softness_(std::min(1.0, kStiffServo / ankle_kp_)),
       ground_(period_),
       rows_(6, robot.nv()),
       shift_(VecX::Zero(robot.nv() - 6)),
@@ -127,7 +127,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
   ground_.update(side, turned, force.moment.head<2>() / (weight_ * height_), now.contact[side] && carries >= 1.0);
   // In series with soft ground an ankle turns that much farther for the same moment.
-  const double farther = std::min(1.0 + ankle_ * ground_.estimate(), kMaxSoftGain);
+  const double farther = std::min(1.0 + ankle_kp_ * ground_.estimate(), kMaxSoftGain);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
   const double band = kMomentBand / farther * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);

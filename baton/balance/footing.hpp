@@ -60,7 +60,7 @@ class Footing {
   double period_;    ///< [1/ω]
   double height_;    ///< nominal COM height [m]
   double weight_;    ///< [N]
-  double ankle_;     ///< kp of the stiffer ankle [weight × COM height/rad]
+  double ankle_kp_;  ///< kp of the stiffer ankle [weight × COM height/rad]
   double softness_;  ///< factor on all compliance, less than 1 with stiff servos
   GroundCompliance ground_;
   JacobianRows rows_;

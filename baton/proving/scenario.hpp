@@ -56,8 +56,8 @@ struct Scenario {
 /// The robot with another drive. If the drive changes to `stiff`, kp becomes kStiff times as large, and
 /// kd √kStiff times, which keeps the damping ratio.
 [[nodiscard]] RobotModel with_drive(const RobotModel& robot, Drive drive);
-inline constexpr double kStiff =
-    2.0;  ///< stiffer servos cannot move the ZMP across the play of `real` (docs/balance.md)
+/// Stiffer servos cannot move the ZMP across the play of `real` (docs/balance.md).
+inline constexpr double kStiff = 2.0;
 
 /// The drive of the robot in this scenario.
 [[nodiscard]] Drive drive_of(const Scenario& scenario, const RobotModel& robot);

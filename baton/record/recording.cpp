@@ -217,12 +217,12 @@ std::optional<RecordedTick> RecordingReader::next(Eigen::Index joints) {
   tick.checksum = read.at("sum").text();
   if (read.has("sensors")) {
     const JsonReader changes = read.at("sensors");
-    if (!changes.json().is_object()) changes.fail("an object whose keys are sensors");
     for (const Sensor sensor : kSensors) {
       const std::string name(to_string(sensor));
       if (changes.has(name.c_str())) tick.sensors[name] = changes.at(name.c_str()).one_of({"good", "bridged", "lost"});
     }
-    if (changes.json().size() != tick.sensors.size()) changes.fail("an object whose keys are sensors");
+    if (!changes.json().is_object() || changes.json().size() != tick.sensors.size())
+      changes.fail("an object whose keys are sensors");
   }
   if (read.has("events")) {
     for (const JsonReader& event : read.at("events").list())

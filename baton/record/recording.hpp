@@ -50,8 +50,8 @@ class RecordingWriter : public Sink {
 struct RecordedTick {
   Measurement measurement;
   Command command;
-  bool fallen = false;  ///< the robot had fallen
-  HealthChanges sensors;
+  bool fallen = false;                ///< the robot had fallen
+  HealthChanges sensors;              ///< in this tick
   std::vector<PlanningEvent> events;  ///< after the tick, in order
   VecX target;                        ///< joint angles commanded by the navigator [rad]
   std::string checksum;               ///< of the whole joint target

@@ -29,7 +29,7 @@ struct RobotInWorld {
   int root_body = 0;
   int root_qpos = 0;
   int root_dof = 0;
-  BySide<int> hand_site{0, 0};
+  BySide<int> hand_site{0, 0};  ///< where pulls at a hand act
   int imu_site = -1;            ///< −1 without IMU
   std::vector<Address> joints;  ///< ordered as `RobotModel::joints`
   std::vector<Geom> geoms;

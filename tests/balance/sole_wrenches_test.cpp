@@ -49,10 +49,16 @@ class SoleWrenchesTest : public testing::TestWithParam<std::string> {
 
   BySide<Wrench> estimate(const Moment& moment, const VecX& torque, const BySide<bool>& planned,
                           const Vec3& push = Vec3::Zero()) {
-    const MotionSample& sample = moment.planned;
-    return wrenches_.estimate(
-        {sample.q, sample.dq, sample.ddq.head<3>() + push, sample.ddq.segment<3>(3), sample.ddq.tail(robot_.nv() - 6)},
-        torque, planned, kinematics_);
+    return wrenches_.estimate(motion_of(moment.planned, push), torque, planned, kinematics_);
+  }
+  BySide<Wrench> by_legs(const Moment& moment, const VecX& torque) {
+    return wrenches_.by_legs(motion_of(moment.planned), torque, kinematics_);
+  }
+
+  /// @param push what else accelerates the root [m/s²]
+  [[nodiscard]] SoleWrenches::BodyMotion motion_of(const MotionSample& sample, const Vec3& push = Vec3::Zero()) const {
+    return {sample.q, sample.dq, sample.ddq.head<3>() + push, sample.ddq.segment<3>(3),
+            sample.ddq.tail(robot_.nv() - 6)};
   }
 
   /// Motor torques with friction of up to a twentieth of the stall torque.
@@ -86,10 +92,7 @@ TEST_P(SoleWrenchesTest, ExactTorquesGiveThePlannedWrenches) {
 
 TEST_P(SoleWrenchesTest, TheLegsAloneTellThePlannedWrenchesToo) {
   for (const Moment& moment : moments_) {
-    const MotionSample& sample = moment.planned;
-    const BySide<Wrench> found = wrenches_.by_legs(
-        {sample.q, sample.dq, sample.ddq.head<3>(), sample.ddq.segment<3>(3), sample.ddq.tail(robot_.nv() - 6)},
-        moment.torque, kinematics_);
+    const BySide<Wrench> found = by_legs(moment, moment.torque);
     for (const Side side : kSides) {
       EXPECT_LT((found[side].force - moment.sole[side].force).norm(), 1e-6 * weight_);
       EXPECT_LT((found[side].moment - moment.sole[side].moment).norm(), 1e-6 * weight_ * height_);
@@ -102,11 +105,8 @@ TEST_P(SoleWrenchesTest, FrictionDisturbsLessThanByTheLegsAlone) {
   double together = 0.0, alone = 0.0;  // squared errors of the forces
   for (const Moment& moment : moments_) {
     const VecX torque = with_friction(moment.torque, random);
-    const MotionSample& sample = moment.planned;
-    const BySide<Wrench> found = estimate(moment, torque, sample.contact);
-    const BySide<Wrench> legs = wrenches_.by_legs(
-        {sample.q, sample.dq, sample.ddq.head<3>(), sample.ddq.segment<3>(3), sample.ddq.tail(robot_.nv() - 6)}, torque,
-        kinematics_);
+    const BySide<Wrench> found = estimate(moment, torque, moment.planned.contact);
+    const BySide<Wrench> legs = by_legs(moment, torque);
     for (const Side side : kSides) {
       together += (found[side].force - moment.sole[side].force).squaredNorm();
       alone += (legs[side].force - moment.sole[side].force).squaredNorm();
@@ -128,8 +128,8 @@ TEST_P(SoleWrenchesTest, AFootThatTouchesTheGroundTooEarlyIsFelt) {
     early.moment = sample.sole[other(down)].p.cross(early.force);
     contact[down] = {contact[down].force - early.force, contact[down].moment - early.moment};
     contact[other(down)] = early;
-    const double load =
-        estimate(moment(sample, contact), moment(sample, contact).torque, sample.contact)[other(down)].force.z();
+    const Moment touching = moment(sample, contact);
+    const double load = estimate(touching, touching.torque, sample.contact)[other(down)].force.z();
     EXPECT_GT(load, 0.1 * weight_);
     EXPECT_LT(load, 0.25 * weight_);
   }
