@@ -21,7 +21,7 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-fast test-cpp test-page test-python sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint setup setup-test setup-dev clean anew
+.PHONY: help run build page test test-fast test-cpp test-page test-python sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint robots setup setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -101,6 +101,9 @@ format: setup-dev ## format all C++ sources
 
 lint: setup-dev $(BUILD)/build.ninja ## check the format, and run clang-tidy on what changed (ARGS=--all: on everything)
 	scripts/lint $(ARGS)
+
+robots: setup ## fetch the models of the robots that are shipped as profiles (NAMES="g1 t1": those alone)
+	@scripts/fetch_robots $(NAMES)
 
 setup: ## install what is missing
 	@scripts/setup

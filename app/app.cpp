@@ -124,7 +124,9 @@ void add_calibration(CLI::App& command, std::optional<std::filesystem::path>& fi
 }
 
 void add_drive(CLI::App& command, DriveOptions& o) {
-  command.add_option("--robot", o.robot, "Robot: a folder of robots/, or a profile's .toml file")
+  command
+      .add_option("--robot", o.robot,
+                  "Robot: a folder of robots/, a profile's .toml file, or a model's .xml or .urdf file")
       ->capture_default_str();
   command.add_option("--world", o.world, "World: a name in worlds/, or an .xml file")->capture_default_str();
   command.add_option("--on", o.on, "sim: physics; ideal: joints track their targets exactly")
@@ -193,6 +195,19 @@ void add_calibrate(CLI::App& command, CalibrateOptions& o) {
   command.add_option("--report", o.report, "Write what was found, and how wrong it is, to this .json file");
 }
 
+void add_check(CLI::App& command, CheckOptions& o) {
+  command
+      .add_option("model", o.model, "Model: an .xml (MJCF) or .urdf file, a profile's .toml file, or a robot's name")
+      ->required();
+  command.add_option("--profile", o.profile, "Use this profile with the model");
+  command.add_option("--write-profile", o.write_profile, "Write a profile of the robot to this .toml file");
+  command.add_option("--report", o.report, "Write all values and results to this .json file");
+  command.add_option("--pictures", o.pictures, "Folder: write pictures of the robot and of each manoeuvre's end");
+  command.add_option("--seed", o.seed, "Seed of the plant real and of the random stick")
+      ->capture_default_str()
+      ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
+}
+
 /// @throws InputError a command lacks a required option
 void complain_of_missing(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) {
@@ -231,6 +246,13 @@ int parse_and_run(std::vector<std::string> args) {
   CLI::App* calibrate_command =
       app.add_subcommand("calibrate", "Find the constant errors of the sensors by shifting and stepping for a minute");
   add_calibrate(*calibrate_command, calibrate_options);
+
+  CheckOptions check_options;
+  CLI::App* check_command =
+      app.add_subcommand("check", "Look at a robot's model, propose a profile, and try the robot out");
+  add_check(*check_command, check_options);
+
+  CLI::App* robots_command = app.add_subcommand("robots", "List the robots that --robot knows by name");
 
   PlanOptions plan_options;
   CLI::App* plan_command = app.add_subcommand("plan", "Show what a script would do, segment by segment, as JSON");
@@ -315,6 +337,8 @@ int parse_and_run(std::vector<std::string> args) {
   }
   if (drive_command->parsed()) return drive(drive_options);
   if (calibrate_command->parsed()) return calibrate(calibrate_options);
+  if (check_command->parsed()) return check(check_options);
+  if (robots_command->parsed()) return robots();
   if (plan_command->parsed()) return plan(plan_options);
   if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);

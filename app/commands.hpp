@@ -35,6 +35,15 @@ struct CalibrateOptions {
   std::optional<std::filesystem::path> report;
 };
 
+struct CheckOptions {
+  std::string model;                                   ///< MJCF or URDF file, profile, or name of a robot
+  std::optional<std::filesystem::path> profile;        ///< profile to use with it
+  std::optional<std::filesystem::path> write_profile;  ///< profile to write
+  std::optional<std::filesystem::path> report;         ///< .json file to write
+  std::optional<std::filesystem::path> pictures;       ///< folder of pictures to write
+  long seed = 0;                                       ///< of the plant, and of the random stick
+};
+
 /// Fault injection into the planner's answers.
 struct AnswerOptions {
   double delay_ms = 0.0;  ///< largest delay [ms]
@@ -130,6 +139,8 @@ struct ReplayOptions {
 };
 
 int calibrate(const CalibrateOptions& options);
+int check(const CheckOptions& options);
+int robots();
 int drive(const DriveOptions& options);
 int replay(const ReplayOptions& options);
 int plan(const PlanOptions& options);

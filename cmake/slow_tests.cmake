@@ -5,6 +5,7 @@ set(slow_suites
     AllocationTest
     Calibrate
     CalibrateTest
+    Check
     EdgesElsewhere
     Episode
     FallTest

@@ -180,12 +180,12 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
   const auto& joints = robot_->joints();
   const int n = static_cast<int>(joints.size());
   BySide<bool> follow{!targets.hand.left, !targets.hand.right};
-  const auto follows_angles = [&](Side side, int j) {  // an arm whose hand has no target
-    return follow[side] && std::ranges::find(robot_->arm(side), j) != robot_->arm(side).end();
-  };
+  const auto is_in = [](const std::vector<int>& chain, int j) { return std::ranges::find(chain, j) != chain.end(); };
   w.free.clear();
   for (int i = 0; i < robot_->nv(); ++i) {
-    if (!follows_angles(Side::left, i - 6) && !follows_angles(Side::right, i - 6)) w.free.push_back(i);
+    const bool follows = is_in(robot_->idle(), i - 6) || (follow.left && is_in(robot_->arm(Side::left), i - 6)) ||
+                         (follow.right && is_in(robot_->arm(Side::right), i - 6));
+    if (!follows) w.free.push_back(i);
   }
   const auto lowest = [&](int j) {
     const auto& joint = joints[static_cast<std::size_t>(j)];
@@ -219,6 +219,10 @@ IkResult InverseKinematics::solve(const IkTargets& targets, const VecX& previous
         w.dq_ref[6 + j] = std::clamp(wish, w.lower[j], w.upper[j]);
         arm_error = std::max(arm_error, std::abs(w.dq_ref[6 + j]));
       }
+    }
+    for (const int j : robot_->idle()) {
+      w.dq_ref[6 + j] = std::clamp(joints[static_cast<std::size_t>(j)].home - q[7 + j], w.lower[j], w.upper[j]);
+      arm_error = std::max(arm_error, std::abs(w.dq_ref[6 + j]));
     }
     const IkResidual& r = result.residual;
     if (std::max({r.sole_position, r.sole_rotation, r.com, arm_error}) < parameters_.tolerance &&

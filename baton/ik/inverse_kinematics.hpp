@@ -5,7 +5,7 @@
 /// with a small constant R for soles and COM, and R = r + eᵀe (error damping) for the rest. It is solved in the dual
 /// form, with one unknown per row. If the step violates a position or speed bound, the same cost is minimised subject
 /// to all bounds by a quadratic program. Joints are not frozen at bounds: that could make the soles and the COM
-/// unreachable.
+/// unreachable. Joints of neither leg nor arm keep their home angle: the trunk turns as the pelvis does.
 #pragma once
 
 #include <limits>
@@ -49,7 +49,6 @@ class InverseKinematics {
     double hard_damping = 1e-6;   ///< R of soles and COM [-]
     double trunk_damping = 1e-5;  ///< r of the trunk attitude [-]
     double hand_damping = 1e-4;   ///< r of the hands [-]
-    double rest_gain = 0.1;       ///< share of the distance to home per step, for joints of neither leg nor arm [-]
     double largest_step = 0.2;    ///< errors are clamped to this norm [m], [rad]
     double tolerance = 1e-7;      ///< errors of soles and COM at which the iteration ends [m], [rad]
   };

@@ -38,7 +38,7 @@ ConvexPolygon support_polygon(const RobotModel& robot, const BySide<Pose>& sole,
   std::vector<Vec2> points;
   for (const Side side : kSides) {
     if (!contact[side]) continue;
-    for (const Vec2& vertex : robot.sole(side).vertices()) {
+    for (const Vec2& vertex : robot.support(side).vertices()) {
       const Vec3 c = sole[side] * Vec3(vertex.x(), vertex.y(), 0);
       points.push_back((com + (c - com) * ((com.z() - height) / (com.z() - c.z()))).head<2>());
     }

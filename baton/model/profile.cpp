@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "baton/model/derive.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/toml_reader.hpp"
 
@@ -45,14 +46,46 @@ void read_servos(const TomlReader& read, Profile& profile) {
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const std::string key = fmt::format("drive.gains[{}]", i);
     const Profile::Gains row{read.positive(key + ".kp", 1e6), read.number(key + ".kd", 0.0, 1e5)};
+    const Profile::MotorData motor{read.number_or(key + ".torque", 0.0, 1e5, 0.0),
+                                   read.number_or(key + ".armature", 0.0, 1e3, 0.0),
+                                   read.number_or(key + ".speed", 0.0, 1e3, 0.0)};
     const toml::array* joints = read.at(key + ".joints").as_array();
     if (joints == nullptr) read.complain(key + ".joints", "a list of joint names");
     for (std::size_t j = 0; j < joints->size(); ++j) {
       const std::string joint = read.text(fmt::format("{}.joints[{}]", key, j));
       profile.gains[joint] = row;
+      profile.motors[joint] = motor;
       if (read.at(key + ".heat")) profile.heat[joint] = thermal(read, key + ".heat");
     }
   }
+}
+
+/// A list of names; the key is optional.
+std::vector<std::string> names(const TomlReader& read, const std::string& key) {
+  std::vector<std::string> list;
+  const auto node = read.at(key);
+  if (!node) return list;
+  const toml::array* array = node.as_array();
+  if (array == nullptr) read.complain(key, "a list of names");
+  for (std::size_t i = 0; i < array->size(); ++i)
+    list.push_back(read.text(fmt::format("{}[{}]", key, i)));
+  return list;
+}
+
+/// Pairs of names; the key is optional.
+std::vector<std::array<std::string, 2>> pairs(const TomlReader& read, const std::string& key) {
+  std::vector<std::array<std::string, 2>> list;
+  const auto node = read.at(key);
+  if (!node) return list;
+  const toml::array* array = node.as_array();
+  if (array == nullptr) read.complain(key, "a list of pairs of names");
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const std::string pair = fmt::format("{}[{}]", key, i);
+    const toml::array* two = read.at(pair).as_array();
+    if (two == nullptr || two->size() != 2) read.complain(pair, "two names");
+    list.push_back({read.text(pair + "[0]"), read.text(pair + "[1]")});
+  }
+  return list;
 }
 
 /// Errors of the sensors; what is missing is moderate.
@@ -97,14 +130,45 @@ Drive drive_named(const std::string& name, const std::string& owner) {
   throw InputError(fmt::format("{} is \"{}\" but should be torque, pd or stiff", owner, name));
 }
 
+ModelChanges Profile::changes() const {
+  ModelChanges changes;
+  for (const auto& [joint, motor] : motors) {
+    if (motor.torque > 0.0 || motor.armature > 0.0) changes.motors[joint] = {motor.torque, motor.armature};
+  }
+  changes.sites.assign(parts.foot.begin(), parts.foot.end());
+  changes.sites.push_back(imu);
+  changes.hands.assign(parts.hand.begin(), parts.hand.end());
+  changes.rigid = rigid;
+  changes.self_pairs = self_pairs;
+  return changes;
+}
+
 Profile Profile::load(const std::filesystem::path& file) {
-  const toml::table table = parse_toml(file, "profile");
-  const TomlReader read(table, "profile", file);
+  const bool is_model = file.extension() != ".toml";
+  const toml::table given = is_model ? toml::table{{"model", file.filename().string()}} : parse_toml(file, "profile");
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  static_cast<void>(complete_with(of_no_robot(given), folder, file.string()));
+  try {
+    return complete_with(complete(given, folder, file.string()), folder, file.string());
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    if (is_model || message.find(file.string()) != std::string::npos) throw;
+    throw InputError(fmt::format("profile {}: {}", file.string(), message));
+  }
+}
+
+Profile Profile::complete_with(const CompleteProfile& complete, const std::filesystem::path& folder,
+                               const std::string& file) {
+  const TomlReader read(complete.table, "profile", file);
   Profile p;
+  p.sources = complete.sources;
+  p.warnings = complete.warnings;
   p.name = read.text("name");
-  p.model = std::filesystem::absolute(file).parent_path() / read.text("model");
+  p.model = (folder / read.text("model")).lexically_normal();
   p.parts = {read.text("parts.trunk"), sided(read, "foot"), sided(read, "hand"), sided(read, "shoulder")};
   if (read.at("parts.imu")) p.imu = read.text("parts.imu");
+  p.rigid = names(read, "rigid");
+  p.self_pairs = pairs(read, "self_pairs");
   p.stance = {read.positive("stance.width", 2.0), read.positive("stance.com_height", 3.0)};
   for (const auto& [joint, degrees] : read.table("home_deg", -360, 360))
     p.home[joint] = degrees * kDegree;
@@ -142,7 +206,7 @@ Profile Profile::load(const std::filesystem::path& file) {
   if (lookahead != std::round(lookahead)) read.complain("tick.lookahead", "a whole number");
   p.tick = {read.number("tick.period", 1e-4, 0.1), static_cast<int>(lookahead)};
   p.stabiliser = {read.number("stabiliser.k_dcm", 0, 20)};
-  p.drive = drive_named(read.text("drive.kind"), fmt::format("profile {}: drive.kind", file.string()));
+  p.drive = drive_named(read.text("drive.kind"), fmt::format("profile {}: drive.kind", file));
   read_servos(read, p);
   p.sensors = sensor_errors(read);
   p.actuators = actuator_errors(read);

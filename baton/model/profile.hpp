@@ -11,8 +11,11 @@
 
 #include "baton/model/hardware_errors.hpp"
 #include "baton/model/heat.hpp"
+#include "baton/model/robot_file.hpp"
 
 namespace baton {
+
+struct CompleteProfile;
 
 /// Closed interval.
 struct Range {
@@ -43,15 +46,18 @@ struct Profile {
   std::string name;
   std::filesystem::path model;  ///< MJCF file, absolute
 
-  /// Names in the model.
+  /// Names in the model. A foot or hand is a site, or a body: then a site of its name is added to it (`ModelChanges`).
   struct Parts {
     std::string trunk;                    ///< body
-    std::array<std::string, 2> foot;      ///< site on the sole plane, x forward, z up, attached to the foot body
-    std::array<std::string, 2> hand;      ///< site
+    std::array<std::string, 2> foot;      ///< on the sole plane, x forward, z up; its body is the foot
+    std::array<std::string, 2> hand;      ///< the guided point
     std::array<std::string, 2> shoulder;  ///< body whose origin is the shoulder
   } parts;
 
-  std::string imu;  ///< IMU site; empty: none
+  std::string imu;  ///< site of the IMU, or a body for one at its origin; empty: none
+
+  std::vector<std::string> rigid;                      ///< joints that are held at zero, and are no joints any more
+  std::vector<std::array<std::string, 2>> self_pairs;  ///< geoms that must not touch; empty: the model's pairs
 
   struct Stance {
     double width = 0.0;       ///< lateral distance between the sole centres [m]
@@ -146,15 +152,38 @@ struct Profile {
     double kp = 0.0;
     double kd = 0.0;
   };
-  std::map<std::string, Gains> gains;   ///< by joint name
-  std::map<std::string, Thermal> heat;  ///< by joint name; a motor without an entry never gets warm
+  std::map<std::string, Gains> gains;  ///< by joint name
+
+  /// What the profile says about the motor of a joint; 0: the model says it.
+  struct MotorData {
+    double torque = 0.0;    ///< stall torque [N·m]
+    double armature = 0.0;  ///< reflected inertia [kg·m²]
+    double speed = 0.0;     ///< no-load speed; 0: stall torque / damping [rad/s]
+  };
+  std::map<std::string, MotorData> motors;  ///< by joint name
+  std::map<std::string, Thermal> heat;      ///< by joint name; a motor without an entry never gets warm
 
   SensorErrors sensors;      ///< of a simulated robot, as of the real one; optional keys
   ActuatorErrors actuators;  ///< the same
 
-  /// Reads and validates a profile.
-  /// @throws InputError file missing or not TOML; key missing, unknown, of the wrong type, not finite or out of range
+  std::map<std::string, std::string> sources;  ///< of the values that were derived: key → where they come from
+  std::vector<std::string> warnings;           ///< what the model lacks and was assumed
+
+  /// What the profile adds to the model.
+  [[nodiscard]] ModelChanges changes() const;
+
+  /// Reads and validates a profile, and derives from the model what it leaves out (`complete`). A model file, MJCF or
+  /// URDF, stands for a profile that leaves out everything.
+  /// @throws InputError file missing or not TOML; key unknown, of the wrong type, not finite or out of range; model
+  /// unusable
   [[nodiscard]] static Profile load(const std::filesystem::path& file);
+
+  /// Validates a profile that is complete.
+  /// @param folder that its `model` is relative to
+  /// @param file its name in messages
+  /// @throws InputError as above
+  [[nodiscard]] static Profile complete_with(const CompleteProfile& complete, const std::filesystem::path& folder,
+                                             const std::string& file);
 };
 
 }  // namespace baton

@@ -6,50 +6,14 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "baton/model/anatomy.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/robot_file.hpp"
 
 namespace baton {
 namespace {
 
-/// Points spanning a geom's surface, in its own frame: enough to find the lowest ones of a sole.
-std::vector<Vec3> surface_points(const mjModel& m, int geom) {
-  const double* size = m.geom_size + 3 * geom;
-  std::vector<Vec3> points;
-  switch (m.geom_type[geom]) {
-    case mjGEOM_BOX:
-      for (const double x : {-1.0, 1.0}) {
-        for (const double y : {-1.0, 1.0}) {
-          for (const double z : {-1.0, 1.0})
-            points.emplace_back(x * size[0], y * size[1], z * size[2]);
-        }
-      }
-      break;
-    case mjGEOM_SPHERE:
-      points = {{0, 0, -size[0]}, {0, 0, size[0]}, {size[0], 0, 0},
-                {-size[0], 0, 0}, {0, size[0], 0}, {0, -size[0], 0}};
-      break;
-    case mjGEOM_CAPSULE:
-      for (const double end : {-size[1], size[1]}) {
-        for (int k = 0; k < 16; ++k) {
-          const double a = k * M_PI / 8.0;
-          points.emplace_back(size[0] * std::cos(a), size[0] * std::sin(a), end);
-        }
-        points.emplace_back(0, 0, end + std::copysign(size[0], end));
-      }
-      break;
-    case mjGEOM_MESH: {
-      const int mesh = m.geom_dataid[geom];
-      for (int k = 0; k < m.mesh_vertnum[mesh]; ++k) {
-        const float* vertex = m.mesh_vert + 3 * (m.mesh_vertadr[mesh] + k);
-        points.emplace_back(vertex[0], vertex[1], vertex[2]);
-      }
-      break;
-    }
-    default:
-      break;
-  }
-  return points;
-}
+constexpr double kHomeMargin = 2.0;  ///< of a joint's home to its limits [margin.joint]
 
 Pose local_pose(const mjtNum* pos, const mjtNum* quat) {
   return {Vec3(pos[0], pos[1], pos[2]), Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
@@ -64,7 +28,8 @@ std::filesystem::path share_dir() {
 
 std::filesystem::path profile_file(const std::string& name_or_file) {
   const std::filesystem::path file = name_or_file;
-  return file.extension() == ".toml" ? file : share_dir() / "robots" / name_or_file / "profile.toml";
+  const bool given = file.extension() == ".toml" || file.extension() == ".xml" || file.extension() == ".urdf";
+  return given ? file : share_dir() / "robots" / name_or_file / "profile.toml";
 }
 
 RobotModel RobotModel::load(const std::string& name_or_file) {
@@ -78,7 +43,7 @@ RobotModel RobotModel::load(const std::string& name_or_file) {
 }
 
 SpecPtr RobotModel::spec() const {
-  return parse_model(profile_.model);
+  return read_robot(profile_.model, profile_.changes());
 }
 
 RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
@@ -100,24 +65,35 @@ RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
   }
   for (const Side side : kSides) {
     const auto i = static_cast<std::size_t>(side);
-    for (const int dof : dofs_to_[static_cast<std::size_t>(foot_[side].body)]) {
-      if (dof >= 6) leg_[side].push_back(dof - 6);
-    }
-    const std::vector<int>& opposite = dofs_to_[static_cast<std::size_t>(hand_[other(side)].body)];
-    for (const int dof : dofs_to_[static_cast<std::size_t>(hand_[side].body)]) {
-      if (std::find(opposite.begin(), opposite.end(), dof) == opposite.end()) arm_[side].push_back(dof - 6);
-    }
+    leg_[side] = joints_of_one(foot_[side].body, foot_[other(side)].body);
+    arm_[side] = joints_of_one(hand_[side].body, hand_[other(side)].body);
     if (leg_[side].size() < 6) {
       throw InputError(fmt::format("{}: the leg to '{}' has {} joints: at least 6 are needed", owner,
                                    profile_.parts.foot[i], leg_[side].size()));
     }
   }
+  mass_ = m.body_subtreemass[0];
+  for (const Side side : kSides)
+    limit_support(side);
+  for (int j = 0; j < static_cast<int>(joints_.size()); ++j) {
+    const auto has = [j](const std::vector<int>& chain) { return std::ranges::find(chain, j) != chain.end(); };
+    if (has(leg_.left) || has(leg_.right) || has(arm_.left) || has(arm_.right)) continue;
+    idle_.push_back(j);
+  }
   if (!profile_.imu.empty()) {
     const Frame sensor = site_frame(profile_.imu, owner);
     if (sensor.body == 1) imu_ = sensor.frame;
   }
-  mass_ = m.body_subtreemass[0];
   omega_ = std::sqrt(kGravity / profile_.stance.com_height);
+}
+
+std::vector<int> RobotModel::joints_of_one(int body, int opposite) const {
+  const std::vector<int>& others = dofs_to(opposite);
+  std::vector<int> joints;
+  for (const int dof : dofs_to(body)) {
+    if (std::ranges::find(others, dof) == others.end()) joints.push_back(dof - 6);
+  }
+  return joints;
 }
 
 RobotModel::Frame RobotModel::site_frame(const std::string& site, const std::string& owner) const {
@@ -166,11 +142,15 @@ void RobotModel::read_joints(const std::string& owner) {
     }
     const auto heat = profile_.heat.find(joint.name);
     joint.motor = {stall, m.dof_damping[m.jnt_dofadr[j]], 0.0, heat == profile_.heat.end() ? Thermal{} : heat->second};
-    if (!(joint.motor.damping > 0.0)) {
+    const auto stated = profile_.motors.find(joint.name);
+    const double speed = stated == profile_.motors.end() ? 0.0 : stated->second.speed;
+    if (!(joint.motor.damping > 0.0) && !(speed > 0.0)) {
       throw InputError(
-          fmt::format("{}: joint '{}' has no damping: the motor's back-EMF sets its no-load speed", owner, joint.name));
+          fmt::format("{}: joint '{}' has no damping, which would set its no-load speed: give its motor "
+                      "one, or drive.gains.speed",
+                      owner, joint.name));
     }
-    joint.motor.no_load = stall / joint.motor.damping;
+    joint.motor.no_load = speed > 0.0 ? speed : stall / joint.motor.damping;
     joint.speed = profile_.margin.speed * joint.motor.no_load;
     const auto gains = profile_.gains.find(joint.name);
     if (gains == profile_.gains.end()) {
@@ -178,12 +158,16 @@ void RobotModel::read_joints(const std::string& owner) {
           fmt::format("profile of {}: drive.gains names no gains for joint '{}'", profile_.name, joint.name));
     }
     joint.gains = gains->second;
-    if (const auto home = profile_.home.find(joint.name); home != profile_.home.end()) {
-      joint.home = home->second;
-      if (joint.home < joint.position.lo || joint.home > joint.position.hi) {
-        throw InputError(
-            fmt::format("profile of {}: home_deg.{} lies outside the joint's range", profile_.name, joint.name));
-      }
+    const auto home = profile_.home.find(joint.name);
+    joint.home = home == profile_.home.end() ? 0.0 : home->second;
+    if (home != profile_.home.end() && (joint.home < joint.position.lo || joint.home > joint.position.hi)) {
+      throw InputError(
+          fmt::format("profile of {}: home_deg.{} lies outside the joint's range", profile_.name, joint.name));
+    }
+    if (joint.position.hi - joint.position.lo > 2.0 * kHomeMargin * profile_.margin.joint) {
+      joint.home = Range{joint.position.lo + kHomeMargin * profile_.margin.joint,
+                         joint.position.hi - kHomeMargin * profile_.margin.joint}
+                       .clamped(joint.home);
     }
     joints_.push_back(std::move(joint));
   }
@@ -201,41 +185,54 @@ void RobotModel::read_joints(const std::string& owner) {
 }
 
 void RobotModel::read_sole(Side side) {
-  const mjModel& m = *model_;
   Frame& foot = foot_[side];
-  const Pose site_inverse = foot.frame.inverse();
-  std::vector<Vec3> points;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int g = 0; g < m.ngeom; ++g) {
-    if (m.geom_bodyid[g] != foot.body || (m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0)) continue;
-    sole_geoms_[side].push_back(g);
-    const Pose geom = site_inverse * local_pose(m.geom_pos + 3 * g, m.geom_quat + 4 * g);
-    for (const Vec3& point : surface_points(m, g)) {
-      points.push_back(geom * point);
-      lowest = std::min(lowest, points.back().z());
-    }
-  }
-  std::vector<Vec2> outline;
-  for (const Vec3& point : points) {
-    if (point.z() < lowest + 0.004) outline.push_back(point.head<2>());
-  }
-  const ConvexPolygon polygon = ConvexPolygon::hull(outline);
-  if (polygon.empty()) {
+  const SoleShape shape = sole_shape(*model_, foot.body, foot.frame);
+  if (shape.outline.empty()) {
     throw InputError(fmt::format("model {}: body '{}' of the foot has no colliding geom to stand on",
-                                 profile_.model.string(), name_of(m, mjOBJ_BODY, foot.body)));
+                                 profile_.model.string(), name_of(*model_, mjOBJ_BODY, foot.body)));
   }
-  Vec2 lo = polygon.vertices().front();
-  Vec2 hi = lo;
-  for (const Vec2& vertex : polygon.vertices()) {
-    lo = lo.cwiseMin(vertex);
-    hi = hi.cwiseMax(vertex);
+  sole_[side] = shape.outline;
+  sole_geoms_[side] = shape.geoms;
+  foot.frame = foot.frame * Pose{Vec3(shape.centre.x(), shape.centre.y(), shape.height), Mat3::Identity()};
+}
+
+void RobotModel::limit_support(Side side) {
+  constexpr double kShare = 0.85;  // of the permitted torque: accelerations need some of it, too
+  constexpr double kFar = 10.0;    // [m]
+  const mjModel& m = *model_;
+  const DataPtr data(mj_makeData(&m));
+  mj_kinematics(&m, data.get());
+  const int body = foot_[side].body;
+  const Pose foot{Eigen::Map<const Vec3>(data->xpos + 3 * body),
+                  Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->xmat + 9 * body)};
+  const Pose to_sole = (foot * foot_[side].frame).inverse();
+  support_[side] = sole_[side];
+  for (auto j = leg_[side].end() - 2; j != leg_[side].end(); ++j) {
+    const Vec3 axis = to_sole.R * Eigen::Map<const Vec3>(data->xaxis + 3 * (1 + *j));
+    const Vec3 anchor = to_sole * Eigen::Map<const Vec3>(data->xanchor + 3 * (1 + *j));
+    const Vec2 across(-axis.y(), axis.x());  // lever arm of the weight about the axis: across · (p − a)
+    if (across.norm() < 0.1) continue;       // about the vertical
+    const double torque = kShare * profile_.margin.torque * joints_[static_cast<std::size_t>(*j)].motor.stall;
+    const double most = torque / (mass_ * kGravity * across.norm());
+    const Vec2 n = across.normalized();
+    const Vec2 along(-n.y(), n.x());
+    const auto& vertices = support_[side].vertices();
+    if (std::ranges::all_of(vertices, [&](const Vec2& p) { return std::abs(n.dot(p - anchor.head<2>())) <= most; })) {
+      continue;
+    }
+    std::vector<Vec2> strip;
+    for (const double a : {-most, most}) {
+      for (const double b : {-kFar, kFar})
+        strip.push_back(anchor.head<2>() + a * n + b * along);
+    }
+    support_[side] = support_[side].clipped(ConvexPolygon::hull(strip));
   }
-  const Vec2 centre = 0.5 * (lo + hi);
-  std::vector<Vec2> centred;
-  for (const Vec2& vertex : polygon.vertices())
-    centred.push_back(vertex - centre);
-  sole_[side] = ConvexPolygon::hull(centred);
-  foot.frame = foot.frame * Pose{Vec3(centre.x(), centre.y(), lowest), Mat3::Identity()};
+  if (support_[side].empty()) {
+    throw InputError(
+        fmt::format("model {}: the ankle of the {} leg is too weak to carry the robot's weight anywhere on "
+                    "its sole",
+                    profile_.model.string(), to_string(side)));
+  }
 }
 
 }  // namespace baton

@@ -17,7 +17,7 @@ namespace baton {
 struct Motor {
   double stall = 0.0;    ///< [N·m]
   double damping = 0.0;  ///< back-EMF and gear friction, as the model's joint damping [N·m·s/rad]
-  double no_load = 0.0;  ///< stall / damping [rad/s]
+  double no_load = 0.0;  ///< as the profile says, else stall / damping [rad/s]
   Thermal thermal;
 
   /// Share of the stall torque used for the rigid-body torque `rigid` [N·m] at `speed` [rad/s]. Damping counts as a
@@ -34,7 +34,7 @@ struct Joint {
   double speed = 0.0;  ///< limit of |q̇|: the profile's share of the no-load speed [rad/s]
   Motor motor;
   Profile::Gains gains;
-  double home = 0.0;  ///< home angle of an arm joint [rad]
+  double home = 0.0;  ///< angle at rest of a joint that is not a leg's, inside its range by the profile's margin [rad]
 };
 
 /// The profile of a robot that is given by that file, or by the name of a folder in `robots/`.
@@ -71,11 +71,16 @@ class RobotModel {
   [[nodiscard]] const Pose& hand_in_body(Side side) const { return hand_[side].frame; }
   /// Outline of the sole in the sole frame [m].
   [[nodiscard]] const ConvexPolygon& sole(Side side) const { return sole_[side]; }
+  /// The part of it where the whole weight can be without too much torque at the leg's last two joints, the ankle: for
+  /// each of them |u · ((p − a) × m g e_z)| ≤ 0.85 × the torque that the profile allows, with axis u and anchor a [m].
+  [[nodiscard]] const ConvexPolygon& support(Side side) const { return support_[side]; }
   [[nodiscard]] const BySide<std::vector<int>>& sole_geoms() const { return sole_geoms_; }
 
-  /// Joints that move this hand but not the other, and joints from the root to this foot: indices into `joints()`.
+  /// Joints that move this hand but not the other, and the same for the feet: indices into `joints()`.
   [[nodiscard]] const std::vector<int>& arm(Side side) const { return arm_[side]; }
   [[nodiscard]] const std::vector<int>& leg(Side side) const { return leg_[side]; }
+  /// Joints of neither leg nor arm: waist, neck. They keep their home angle.
+  [[nodiscard]] const std::vector<int>& idle() const { return idle_; }
   /// Degrees of freedom that move a body: indices of those on the chain from the root to it.
   [[nodiscard]] const std::vector<int>& dofs_to(int body) const { return dofs_to_[static_cast<std::size_t>(body)]; }
   /// Whether the hand can be given an attitude: its arm has at least six joints.
@@ -92,7 +97,10 @@ class RobotModel {
   [[nodiscard]] Frame site_frame(const std::string& site, const std::string& owner) const;
   void read_joints(const std::string& owner);
   void read_sole(Side side);
+  void limit_support(Side side);
   [[nodiscard]] std::vector<int> chain(int body) const;
+  /// Joints that move `body` but not its `opposite`.
+  [[nodiscard]] std::vector<int> joints_of_one(int body, int opposite) const;
 
   Profile profile_;
   ModelPtr model_;
@@ -105,9 +113,11 @@ class RobotModel {
   BySide<Frame> hand_;
   BySide<int> shoulder_body_;
   BySide<ConvexPolygon> sole_;
+  BySide<ConvexPolygon> support_;
   BySide<std::vector<int>> sole_geoms_;
   BySide<std::vector<int>> arm_;
   BySide<std::vector<int>> leg_;
+  std::vector<int> idle_;
   std::vector<std::vector<int>> dofs_to_;
 };
 

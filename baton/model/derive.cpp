@@ -1,0 +1,631 @@
+#include "baton/model/derive.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <set>
+
+#include "baton/model/anatomy.hpp"
+#include "baton/model/error.hpp"
+#include "baton/model/robot_file.hpp"
+#include "baton/model/urdf.hpp"
+
+namespace baton {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kStraight = 0.92;         ///< COM height over that with straight legs
+constexpr double kAssumedArmature = 1e-4;  ///< of a motor whose model states none [kg·m² per N·m of stall torque]
+constexpr double kAssumedSpeed = 2.5;      ///< largest speed of a joint whose model states none [ω]
+constexpr double kServoDamping = 0.5;      ///< damping ratio of a servo with the inertia that it moves at q = 0
+constexpr double kStallAngle = 0.25;       ///< error at which a servo gives its stall torque, if soft enough [rad]
+constexpr int kHomeSamples = 4000;         ///< postures of an arm that are looked at for its home
+constexpr int kPairSamples = 200;          ///< postures in which the distances of links are looked at
+constexpr double kApart = 0.02;            ///< links that are nearer at home are made to be [COM height]
+constexpr double kNear = 0.05;             ///< links that never come nearer need no check [COM height]
+
+double rounded(double value, double unit) {
+  return std::round(value / unit) * unit;
+}
+
+/// With four significant digits.
+double to_digits(double value) {
+  if (value == 0.0) return 0.0;
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 3.0);
+  return std::stod(fmt::format("{:.9g}", rounded(value, unit)));
+}
+
+/// Fills a table; keys that it has stay.
+class Filler {
+ public:
+  explicit Filler(CompleteProfile& profile) : profile_(profile) {}
+
+  template <typename Value>
+  void operator()(const std::string& key, Value&& value, const std::string& source) {
+    if (profile_.table.at_path(key)) return;
+    toml::table* table = &profile_.table;
+    std::string rest = key;
+    for (std::size_t dot = rest.find('.'); dot != std::string::npos; dot = rest.find('.')) {
+      const std::string name = rest.substr(0, dot);
+      if (!table->contains(name)) table->insert(name, toml::table{});
+      table = table->get_as<toml::table>(name);
+      if (table == nullptr) return;  // not a table: whoever reads it complains
+      rest = rest.substr(dot + 1);
+    }
+    table->insert(rest, std::forward<Value>(value));
+    profile_.sources[key] = source;
+  }
+  void length(const std::string& key, double factor, double unit, const char* symbol) {
+    (*this)(key, to_digits(factor * unit), fmt::format("{:.3g} {}", factor, symbol));
+  }
+  [[nodiscard]] double number(const std::string& key, double missing) const {
+    return profile_.table.at_path(key).value<double>().value_or(missing);
+  }
+  [[nodiscard]] std::string text(const std::string& key) const {
+    return profile_.table.at_path(key).value<std::string>().value_or("");
+  }
+
+ private:
+  CompleteProfile& profile_;
+};
+
+toml::array interval(double lo, double hi) {
+  return toml::array{to_digits(lo), to_digits(hi)};
+}
+
+std::vector<std::string> texts(const toml::node* node) {
+  std::vector<std::string> list;
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i)
+    list.push_back((*array)[i].value<std::string>().value_or(""));
+  return list;
+}
+
+/// A compiled model, posed.
+class Posed {
+ public:
+  explicit Posed(const mjModel& model) : m(model), data(mj_makeData(&model)) { mj_kinematics(&m, data.get()); }
+
+  [[nodiscard]] Pose body(int b) const {
+    return {Eigen::Map<const Vec3>(data->xpos + 3 * b),
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->xmat + 9 * b)};
+  }
+  void set(int joint, double angle) { data->qpos[m.jnt_qposadr[joint]] = angle; }
+  void update() { mj_kinematics(&m, data.get()); }
+  [[nodiscard]] double com_height() {
+    mj_comPos(&m, data.get());
+    return data->subtree_com[3 * 1 + 2];
+  }
+
+  const mjModel& m;
+  DataPtr data;
+};
+
+/// Hinges on the way from an ancestor to a body, nearest to the ancestor first.
+std::vector<int> chain(const mjModel& m, int ancestor, int body) {
+  std::vector<int> joints;
+  for (int b = body; b > ancestor; b = m.body_parentid[b]) {
+    for (int j = m.body_jntadr[b] + m.body_jntnum[b] - 1; j >= m.body_jntadr[b] && m.body_jntadr[b] >= 0; --j) {
+      if (m.jnt_type[j] == mjJNT_HINGE) joints.push_back(j);
+    }
+  }
+  std::ranges::reverse(joints);
+  return joints;
+}
+
+int common_ancestor(const mjModel& m, int a, int b) {
+  while (a != b)
+    (a > b ? a : b) = m.body_parentid[a > b ? a : b];
+  return a;
+}
+
+/// Index of the body that a part's name stands for: a body, or the one that a site is on. −1: there is none.
+int body_of(const mjModel& m, const std::string& name) {
+  const int site = mj_name2id(&m, mjOBJ_SITE, name.c_str());
+  return site >= 0 ? m.site_bodyid[site] : mj_name2id(&m, mjOBJ_BODY, name.c_str());
+}
+
+/// How much farther from the hip (the leg's third axis) the ankle (its last but one) can be than at q = 0, by the joint
+/// between them that changes it most: the knee [m].
+double extension(const mjModel& m, const std::vector<int>& leg) {
+  Posed posed(m);
+  const auto distance = [&] {
+    const double* hip = posed.data->xanchor + 3 * leg[2];
+    const double* ankle = posed.data->xanchor + 3 * leg[leg.size() - 2];
+    return (Eigen::Map<const Vec3>(ankle) - Eigen::Map<const Vec3>(hip)).norm();
+  };
+  const double now = distance();
+  double most = now;
+  for (std::size_t i = 3; i + 2 < leg.size(); ++i) {
+    const int j = leg[i];
+    const double before = m.qpos0[m.jnt_qposadr[j]];
+    for (int k = 0; k <= 40; ++k) {
+      posed.set(j, m.jnt_range[2 * j] + k / 40.0 * (m.jnt_range[2 * j + 1] - m.jnt_range[2 * j]));
+      posed.update();
+      most = std::max(most, distance());
+    }
+    posed.set(j, before);
+  }
+  return most - now;
+}
+
+/// Home of an arm [rad]: of many postures, the one whose hand is nearest to half an arm's length before and below the
+/// shoulder and a little outside it, joints far from their limits.
+std::vector<double> arm_home(const mjModel& m, const std::vector<int>& arm, int shoulder, int hand, Side side) {
+  Posed posed(m);
+  double length = 0.0;
+  for (int b = hand; b != shoulder; b = m.body_parentid[b])
+    length += Eigen::Map<const Vec3>(m.body_pos + 3 * b).norm();
+  const Vec3 tip = Eigen::Map<const Vec3>(m.body_ipos + 3 * hand);
+  length += tip.norm();
+  const Vec3 at = posed.body(shoulder).p;
+  const Vec3 wanted = at + length * Vec3(0.4, 0.2 * sign_of(side), -0.6);
+  const auto cost = [&](const std::vector<double>& angles) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < arm.size(); ++k) {
+      posed.set(arm[k], angles[k]);
+      const double lo = m.jnt_range[2 * arm[k]];
+      const double hi = m.jnt_range[2 * arm[k] + 1];
+      const double from_centre = (angles[k] - 0.5 * (lo + hi)) / (hi - lo);
+      sum += 0.02 * angles[k] * angles[k] + 0.5 * std::pow(std::max(0.0, std::abs(from_centre) - 0.4) / 0.1, 2);
+    }
+    posed.update();
+    const Vec3 error = (posed.body(hand) * tip - wanted) / length;
+    return sum + 20.0 * error.squaredNorm();
+  };
+  std::mt19937_64 random(1);
+  std::vector<double> best(arm.size());
+  for (std::size_t k = 0; k < arm.size(); ++k)
+    best[k] = std::clamp(0.0, m.jnt_range[2 * arm[k]], m.jnt_range[2 * arm[k] + 1]);
+  double least = cost(best);
+  for (int sample = 0; sample < kHomeSamples; ++sample) {
+    const double spread = sample < kHomeSamples / 4 ? 1.0 : std::exp(-6.0 * sample / kHomeSamples);
+    std::vector<double> angles(arm.size());
+    for (std::size_t k = 0; k < arm.size(); ++k) {
+      const double lo = m.jnt_range[2 * arm[k]];
+      const double hi = m.jnt_range[2 * arm[k] + 1];
+      std::uniform_real_distribution<double> draw(-0.5 * spread * (hi - lo), 0.5 * spread * (hi - lo));
+      angles[k] = std::clamp((spread < 1.0 ? best[k] : 0.5 * (lo + hi)) + draw(random), lo, hi);
+    }
+    const double c = cost(angles);
+    if (c >= least) continue;
+    least = c;
+    best = angles;
+  }
+  return best;
+}
+
+/// The other arm's home, mirrored. Empty if the arms are no mirror images.
+std::vector<double> mirrored(const mjModel& m, const std::vector<int>& from, const std::vector<int>& to,
+                             const std::vector<double>& angles) {
+  if (from.size() != to.size()) return {};
+  const Posed posed(m);
+  std::vector<double> result;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const Vec3 axis = Eigen::Map<const Vec3>(posed.data->xaxis + 3 * from[k]);
+    const Vec3 there = Eigen::Map<const Vec3>(posed.data->xaxis + 3 * to[k]);
+    const double sign = Vec3(-axis.x(), axis.y(), -axis.z()).dot(there);
+    if (std::abs(sign) < 0.99) return {};
+    result.push_back(
+        std::clamp(std::copysign(1.0, sign) * angles[k], m.jnt_range[2 * to[k]], m.jnt_range[2 * to[k] + 1]));
+  }
+  return result;
+}
+
+/// Number of hinges between two bodies.
+int joints_between(const mjModel& m, int a, int b) {
+  const int common = common_ancestor(m, a, b);
+  return static_cast<int>(chain(m, common, a).size() + chain(m, common, b).size());
+}
+
+/// Pairs of links that come near each other in some postures, but not at home, and are not of the same limb one or two
+/// joints apart.
+toml::array self_pairs(const mjModel& m, const std::map<std::string, double>& home, double h) {
+  Posed posed(m);
+  std::vector<int> colliders;
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (m.geom_contype[g] != 0 || m.geom_conaffinity[g] != 0) colliders.push_back(g);
+  }
+  std::vector<std::pair<int, int>> candidates;
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    for (std::size_t k = i + 1; k < colliders.size(); ++k) {
+      const int a = m.geom_bodyid[colliders[i]];
+      const int b = m.geom_bodyid[colliders[k]];
+      if (joints_between(m, a, b) <= 2) continue;
+      candidates.emplace_back(colliders[i], colliders[k]);
+    }
+  }
+  const auto distance = [&](const std::pair<int, int>& pair) {
+    const auto [a, b] = pair;
+    const Vec3 between =
+        Eigen::Map<const Vec3>(posed.data->geom_xpos + 3 * a) - Eigen::Map<const Vec3>(posed.data->geom_xpos + 3 * b);
+    const double far = kNear * h;
+    if (between.norm() - m.geom_rbound[a] - m.geom_rbound[b] >= far) return far;
+    return mj_geomDistance(&m, posed.data.get(), a, b, far, nullptr);
+  };
+  const auto go_home = [&] {
+    for (int j = 1; j < m.njnt; ++j) {
+      const auto angle = home.find(name_of(m, mjOBJ_JOINT, j));
+      posed.set(j, angle == home.end() ? std::clamp(0.0, m.jnt_range[2 * j], m.jnt_range[2 * j + 1]) : angle->second);
+    }
+  };
+  go_home();
+  posed.update();
+  std::erase_if(candidates, [&](const auto& pair) { return distance(pair) < kApart * h; });
+  std::vector<bool> near(candidates.size(), false);
+  std::mt19937_64 random(1);
+  for (int sample = 0; sample < kPairSamples; ++sample) {
+    for (int j = 1; j < m.njnt; ++j) {
+      std::uniform_real_distribution<double> draw(m.jnt_range[2 * j], m.jnt_range[2 * j + 1]);
+      posed.set(j, draw(random));
+    }
+    posed.update();
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      if (!near[k] && distance(candidates[k]) < kNear * h) near[k] = true;
+    }
+  }
+  toml::array pairs;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (!near[k]) continue;
+    pairs.push_back(
+        toml::array{name_of(m, mjOBJ_GEOM, candidates[k].first), name_of(m, mjOBJ_GEOM, candidates[k].second)});
+  }
+  return pairs;
+}
+
+/// Motors of the model: what the profile's rows say, else what the model states, else an assumption.
+void derive_servos(const mjModel& m, const fs::path& model, double omega, double weight_height, CompleteProfile& out) {
+  std::set<std::string> named;
+  const toml::node_view<toml::node> rows = out.table.at_path("drive.gains");
+  if (const toml::array* given = rows.as_array()) {
+    for (const toml::node& row : *given) {
+      const toml::table* table = row.as_table();
+      for (const std::string& joint : texts(table == nullptr ? nullptr : table->get("joints")))
+        named.insert(joint);
+    }
+  } else if (rows) {
+    return;  // not a list: whoever reads it complains
+  }
+  const std::map<std::string, double> speeds =
+      is_urdf(model) ? urdf_speed_limits(model) : std::map<std::string, double>{};
+  std::map<std::array<double, 5>, toml::array> kinds;  // torque, armature, speed, kp, kd → joints
+  std::vector<std::string> slow;
+  std::vector<std::string> light;
+  std::vector<double> inertia(static_cast<std::size_t>(m.nv) * static_cast<std::size_t>(m.nv));
+  Posed posed(m);
+  mj_comPos(&m, posed.data.get());
+  mj_crb(&m, posed.data.get());
+  mj_fullM(&m, posed.data.get(), inertia.data());
+  for (int j = 1; j < m.njnt; ++j) {
+    const std::string joint = name_of(m, mjOBJ_JOINT, j);
+    if (m.jnt_type[j] != mjJNT_HINGE || named.contains(joint)) continue;
+    if (!m.jnt_actfrclimited[j]) continue;  // whoever builds the robot complains
+    const int dof = m.jnt_dofadr[j];
+    const double torque = m.jnt_actfrcrange[2 * j + 1];
+    double armature = m.dof_armature[dof];
+    if (armature <= 0.0) {
+      armature = to_digits(kAssumedArmature * torque);
+      light.push_back(joint);
+    }
+    double speed = 0.0;  // by damping
+    if (const auto stated = speeds.find(joint); stated != speeds.end()) {
+      speed = stated->second;
+    } else if (m.dof_damping[dof] <= 0.0 || torque / m.dof_damping[dof] > 20.0 * omega) {
+      speed = to_digits(kAssumedSpeed * omega);
+      slow.push_back(joint);
+    }
+    const double kp = to_digits(std::min(torque / kStallAngle, weight_height));
+    const double moved = inertia[static_cast<std::size_t>(dof) * static_cast<std::size_t>(m.nv + 1)];
+    const double kd = to_digits(2.0 * kServoDamping * std::sqrt(kp * (moved - m.dof_armature[dof] + armature)));
+    kinds[{torque, armature, speed, kp, kd}].push_back(joint);
+  }
+  const auto missing = [&out](const std::vector<std::string>& joints, const std::string& what) {
+    if (joints.empty()) return;
+    out.warnings.push_back(fmt::format("{} of {} joints ({}{}): {}",
+                                       joints.size() == 1 ? "1" : fmt::format("{}", joints.size()), joints.size(),
+                                       joints.front(), joints.size() > 1 ? ", …" : "", what));
+  };
+  missing(
+      light,
+      fmt::format("the model states no armature; {} kg·m² per N·m of stall torque are assumed (drive.gains.armature)",
+                  kAssumedArmature));
+  missing(slow, fmt::format("the model states no speed limit; {} rad/s are assumed (drive.gains.speed)",
+                            to_digits(kAssumedSpeed * omega)));
+  if (kinds.empty()) return;
+  if (!out.table.contains("drive")) out.table.insert("drive", toml::table{});
+  toml::table* drive = out.table.get_as<toml::table>("drive");
+  if (drive == nullptr) return;
+  if (!drive->contains("gains")) drive->insert("gains", toml::array{});
+  toml::array* list = drive->get_as<toml::array>("gains");
+  for (auto& [kind, joints] : kinds) {
+    const auto& [torque, armature, speed, kp, kd] = kind;
+    toml::table row{{"kp", kp}, {"kd", kd}, {"torque", torque}, {"armature", armature}};
+    if (speed > 0.0) row.insert("speed", speed);
+    row.insert("joints", joints);
+    list->push_back(std::move(row));
+  }
+  out.sources["drive.gains"] = fmt::format(
+      "kp: stall torque per {} rad, at most m g h; kd: damping ratio {} at q = 0; torque, armature, speed: the model",
+      kStallAngle, kServoDamping);
+}
+
+/// What lengths and times are derived from.
+struct Size {
+  double h = 0.0;           ///< COM height [m]
+  double w = 0.0;           ///< half-width of a sole [m]
+  double width = 0.0;       ///< of the stance [m]
+  double arm_length = 0.0;  ///< from shoulder to hand [m]
+};
+
+/// Everything that depends on the size alone.
+void fill_from(const Size& size, Filler& fill) {
+  const auto [h, w, width, arm_length] = size;
+  fill.length("reach.foot", 0.05 / 0.26, h, "h");
+  fill.length("reach.trunk", 0.03 / 0.26, h, "h");
+  fill.length("reach.hand", 0.03 / 0.1939, arm_length, "of the arm's length");
+  fill("reach.rotation", 0.2, "fixed");
+  fill("region.foot_x", interval(-0.11 / 0.26 * h, 0.11 / 0.26 * h), "0.423 h");
+  fill.length("region.stride", 0.07 / 0.26, h, "h");
+  fill("region.foot_lateral", interval(2.0 * w + 0.004 / 0.26 * h, width + 0.066 / 0.26 * h),
+       "2 w + 0.0154 h to the stance width + 0.254 h");
+  fill("region.foot_yaw", 0.35, "fixed");
+  fill.length("region.sole_gap", 0.006 / 0.26, h, "h");
+  fill("region.com_height", interval(0.235 / 0.26 * h, 0.28 / 0.26 * h), "0.904 to 1.08 h");
+  fill("region.trunk_inclination", 0.3, "fixed");
+  fill("region.trunk_yaw", 0.15, "fixed");
+  fill.length("region.hand_distance", 0.18 / 0.1939, arm_length, "of the arm's length");
+  fill.length("swing.clearance", 0.02 / 0.26, h, "h");
+  fill.length("swing.lift", 0.03 / 0.26, h, "h");
+  const auto time = [&fill, h = h](const std::string& key, double of_mighty) {
+    fill(key, rounded(of_mighty * std::sqrt(h / 0.26), 0.01),
+         fmt::format("{:.3g} / ω", of_mighty * std::sqrt(kGravity / 0.26)));
+  };
+  time("swing.time", 0.2);
+  fill.length("ground.flatness", 0.002 / 0.26, h, "h");
+  fill("ground.tilt_deg", 3.0, "fixed");
+  time("duration.default", 0.5);
+  time("duration.step", 0.1);
+  time("duration.max", 3.0);
+  fill("phases.step", toml::array{0.25, 0.40, 0.35}, "fixed");
+  fill("phases.lift", toml::array{0.5, 0.5}, "fixed");
+  fill("phases.lower", toml::array{0.5, 0.5}, "fixed");
+  fill("phases.flow", toml::array{0.15, 0.45, 0.40}, "fixed");
+  fill("phases.weights", toml::array{1.0, 3.0, 3.0, 1.0}, "fixed");
+  fill.length("margin.zmp_plan", 12.0 / 36.0, w, "w");
+  fill.length("margin.zmp_verify", 3.0 / 36.0, w, "w");
+  fill.length("margin.zmp_feedback", 4.0 / 36.0, w, "w");
+  fill.length("margin.stand_on", 25.0 / 36.0, w, "w");
+  fill("margin.joint", 0.02, "fixed");
+  fill("margin.speed", 0.85, "fixed");
+  fill("margin.torque", 0.9, "fixed");
+  fill("margin.acceleration", to_digits(220.0 * 0.26 / h), "5.83 ω²");
+  fill("margin.friction", 0.5, "fixed");
+  fill.length("margin.self_collision", 0.003 / 0.26, h, "h");
+  fill.length("margin.edge", 0.002 / 0.26, h, "h");
+  fill.length("ik.position", 1e-4 / 0.26, h, "h");
+  fill("ik.rotation", 1e-4, "fixed");
+  fill.length("ik.hand", 2e-3 / 0.26, h, "h");
+  fill("tick.period", 0.005, "fixed");
+  fill("tick.lookahead", 6, "fixed");
+  fill("stabiliser.k_dcm", 3.0, "fixed");
+  fill("drive.kind", "pd", "fixed");
+}
+
+}  // namespace
+
+CompleteProfile of_no_robot(const toml::table& given) {
+  CompleteProfile out;
+  out.table = given;
+  Filler fill(out);
+  fill("name", "robot", "");
+  for (const char* key :
+       {"trunk", "left_foot", "right_foot", "left_hand", "right_hand", "left_shoulder", "right_shoulder"})
+    fill(fmt::format("parts.{}", key), "part", "");
+  const Size size{0.05, 0.01, 0.05, 0.05};  // small, so that no derived bound is above a given one
+  fill("stance.com_height", size.h, "");
+  fill("stance.width", size.width, "");
+  fill("home_deg", toml::table{}, "");
+  fill_from(size, fill);
+  if (!out.table.at_path("drive.gains")) fill("drive.gains", toml::array{}, "");
+  return out;
+}
+
+CompleteProfile complete(const toml::table& given, const fs::path& folder, const std::string& file) {
+  CompleteProfile out;
+  out.table = given;
+  Filler fill(out);
+  const std::string model_name = fill.text("model");
+  if (model_name.empty()) return out;  // whoever reads it complains
+  const fs::path path = folder / model_name;
+  fill("name", fs::path(model_name).stem().string(), "the model's file");
+  const std::string owner = fmt::format("model {}", path.string());
+  std::error_code ignored;
+  if (*fs::path(model_name).begin() == "model" && !fs::exists(path, ignored)) {
+    throw InputError(
+        fmt::format("profile {}: its model {} is not there: `make robots` fetches the models of the robots "
+                    "that are shipped as profiles",
+                    file, path.string()));
+  }
+
+  ModelChanges changes;
+  changes.rigid = texts(out.table.get("rigid"));
+  SpecPtr spec = read_robot(path, changes);
+  spec->compiler.discardvisual = 1;
+  ModelPtr model = compile_model(*spec, owner);
+  const Anatomy parts = find_parts(*model);
+  const auto body = [&](int id) { return id < 0 ? std::string() : name_of(*model, mjOBJ_BODY, id); };
+  const auto part = [&](const std::string& key, int id, const char* how) {
+    if (id >= 0) fill("parts." + key, body(id), how);
+  };
+  part("trunk", parts.trunk, "the last body that both arms hang from");
+  for (const Side side : kSides) {
+    const std::string of(to_string(side));
+    part(of + "_foot", parts.foot[side], "the lowest end of a chain of six hinges or more");
+    part(of + "_hand", parts.hand[side], "the end of the heaviest limb on that side, fingers aside");
+    part(of + "_shoulder", parts.shoulder[side], "the first body of that limb");
+  }
+  fill("parts.imu", parts.imu.empty() ? body(1) : parts.imu, parts.imu.empty() ? "assumed" : "the model");
+  if (parts.imu.empty() && fill.text("parts.imu") == body(1)) {
+    out.warnings.push_back(
+        fmt::format("the model has no IMU on its first body; one at the origin of '{}' is assumed "
+                    "(parts.imu)",
+                    body(1)));
+  }
+  if (!parts.fingers.empty()) {
+    toml::array rigid;
+    for (const std::string& joint : parts.fingers)
+      rigid.push_back(joint);
+    if (!out.table.contains("rigid")) {
+      out.warnings.push_back(fmt::format("{} joints beyond the hands ({}, …) are held at zero (rigid)",
+                                         parts.fingers.size(), parts.fingers.front()));
+    }
+    fill("rigid", rigid, "joints beyond the hands");
+    changes.rigid = texts(out.table.get("rigid"));
+    spec = read_robot(path, changes);
+    spec->compiler.discardvisual = 1;
+    model = compile_model(*spec, owner);
+  }
+  const mjModel& m = *model;
+
+  // What the parts say.
+  BySide<int> foot{-1, -1};
+  BySide<int> hand{-1, -1};
+  BySide<int> shoulder{-1, -1};
+  std::vector<std::string> problems;
+  for (const Side side : kSides) {
+    const std::string of(to_string(side));
+    foot[side] = body_of(m, fill.text("parts." + of + "_foot"));
+    hand[side] = body_of(m, fill.text("parts." + of + "_hand"));
+    shoulder[side] = body_of(m, fill.text("parts." + of + "_shoulder"));
+    for (const auto& [name, found] :
+         {std::pair("foot", foot[side]), std::pair("hand", hand[side]), std::pair("shoulder", shoulder[side])}) {
+      const std::string key = fmt::format("parts.{}_{}", of, name);
+      const std::string value = fill.text(key);
+      if (found < 0 && !value.empty())
+        problems.push_back(fmt::format("{} = '{}': the model has no such body or site", key, value));
+      if (found < 0 && value.empty()) problems.push_back(fmt::format("{} is missing: must be a body or site", key));
+    }
+  }
+  problems.insert(problems.begin(), parts.problems.begin(), parts.problems.end());
+  for (const Side side : kSides) {
+    const std::string of(to_string(side));
+    if (foot.left >= 0 && foot.right >= 0) {
+      const std::size_t joints = chain(m, common_ancestor(m, foot.left, foot.right), foot[side]).size();
+      if (joints < 6) {
+        problems.push_back(
+            fmt::format("the leg to parts.{}_foot = '{}' has {} joints of its own: at least 6 are needed", of,
+                        fill.text("parts." + of + "_foot"), joints));
+      }
+    }
+    if (hand[side] >= 0 && shoulder[side] >= 0 && common_ancestor(m, hand[side], shoulder[side]) != shoulder[side]) {
+      problems.push_back(fmt::format("parts.{0}_hand = '{1}' does not hang from parts.{0}_shoulder = '{2}'", of,
+                                     fill.text("parts." + of + "_hand"), fill.text("parts." + of + "_shoulder")));
+    }
+  }
+  Posed posed(m);
+  BySide<SoleShape> sole;
+  for (const Side side : kSides) {
+    if (foot[side] < 0) continue;
+    const int site = mj_name2id(&m, mjOBJ_SITE, fill.text(fmt::format("parts.{}_foot", to_string(side))).c_str());
+    Pose frame{Vec3::Zero(), posed.body(foot[side]).R.transpose() * posed.body(1).R};
+    if (site >= 0) {
+      const double* q = m.site_quat + 4 * site;
+      frame = {Eigen::Map<const Vec3>(m.site_pos + 3 * site),
+               Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix()};
+    }
+    sole[side] = sole_shape(m, foot[side], frame);
+    if (sole[side].outline.empty()) {
+      problems.push_back(
+          fmt::format("body '{}' of the {} foot has no colliding geom to stand on: give it one with "
+                      "contype and conaffinity",
+                      body(foot[side]), to_string(side)));
+    }
+  }
+  for (int j = 1; j < m.njnt; ++j) {
+    const std::string joint = name_of(m, mjOBJ_JOINT, j);
+    if (m.jnt_type[j] != mjJNT_HINGE)
+      problems.push_back(fmt::format("joint '{}' is not a hinge: only hinges can be driven", joint));
+    if (!m.jnt_limited[j]) problems.push_back(fmt::format("joint '{}' has no range", joint));
+  }
+  if (!problems.empty()) {
+    throw InputError(fmt::format("profile {}: {}: {}", file, owner, fmt::join(problems, "; ")));
+  }
+
+  // Size: COM height, sole's half-width, arm's length.
+  const std::vector<int> leg = chain(m, common_ancestor(m, foot.left, foot.right), foot.left);
+  const auto sole_at = [&](Side side) {
+    const Pose at = posed.body(foot[side]);
+    const int site = mj_name2id(&m, mjOBJ_SITE, fill.text(fmt::format("parts.{}_foot", to_string(side))).c_str());
+    const Vec3 offset = site >= 0 ? Vec3(Eigen::Map<const Vec3>(m.site_pos + 3 * site)) : Vec3::Zero();
+    const Vec3 origin = at * offset;
+    return Vec3(origin + posed.body(1).R * Vec3(sole[side].centre.x(), sole[side].centre.y(), sole[side].height));
+  };
+  const double straight = posed.com_height() - sole_at(Side::left).z() + extension(m, leg);
+  fill("stance.com_height", rounded(kStraight * straight, 1e-3),
+       fmt::format("{} of {:.3f} m, that of straight legs", kStraight, straight));
+  const double h = fill.number("stance.com_height", straight);
+  const double omega = std::sqrt(kGravity / h);
+  const double w = [&] {
+    double half = std::numeric_limits<double>::infinity();
+    for (const Side side : kSides) {
+      double lo = 0.0;
+      double hi = 0.0;
+      for (const Vec2& vertex : sole[side].outline.vertices()) {
+        lo = std::min(lo, vertex.y());
+        hi = std::max(hi, vertex.y());
+      }
+      half = std::min(half, 0.5 * (hi - lo));
+    }
+    return half;
+  }();
+  const double apart = std::abs(sole_at(Side::left).y() - sole_at(Side::right).y());
+  fill("stance.width", to_digits(std::max(apart, 2.0 * w + 0.03 * h)), "the soles' distance at q = 0");
+  const double width = fill.number("stance.width", apart);
+  double arm_length = 0.0;
+  for (int b = hand.left; b != shoulder.left; b = m.body_parentid[b])
+    arm_length += Eigen::Map<const Vec3>(m.body_pos + 3 * b).norm();
+  const int hand_site = mj_name2id(&m, mjOBJ_SITE, fill.text("parts.left_hand").c_str());
+  arm_length +=
+      Eigen::Map<const Vec3>(hand_site >= 0 ? m.site_pos + 3 * hand_site : m.body_ipos + 3 * hand.left).norm();
+
+  // Home of the arms.
+  std::map<std::string, double> home;
+  const BySide<std::vector<int>> arm{chain(m, m.body_parentid[shoulder.left], hand.left),
+                                     chain(m, m.body_parentid[shoulder.right], hand.right)};
+  if (!out.table.contains("home_deg")) {
+    const std::vector<double> left = arm_home(m, arm.left, shoulder.left, hand.left, Side::left);
+    std::vector<double> right = mirrored(m, arm.left, arm.right, left);
+    if (right.empty()) right = arm_home(m, arm.right, shoulder.right, hand.right, Side::right);
+    toml::table angles;
+    for (const Side side : kSides) {
+      for (std::size_t k = 0; k < arm[side].size(); ++k) {
+        const double degrees = std::round((side == Side::left ? left : right)[k] * kDegrees);
+        angles.insert(name_of(m, mjOBJ_JOINT, arm[side][k]), degrees);
+      }
+    }
+    fill("home_deg", angles, "the hands before and below the shoulders, joints far from their limits");
+  }
+  if (const toml::table* angles = out.table["home_deg"].as_table()) {
+    for (const auto& [joint, degrees] : *angles)
+      home[std::string(joint.str())] = degrees.value<double>().value_or(0.0) / kDegrees;
+  }
+
+  fill_from({h, w, width, arm_length}, fill);
+  derive_servos(m, path, omega, m.body_subtreemass[1] * kGravity * h, out);
+  if (m.npair == 0 && !out.table.contains("self_pairs")) {
+    fill("self_pairs", self_pairs(m, home, h),
+         fmt::format("links that come nearer than {} h to each other in some of {} postures, and do not touch at home",
+                     kNear, kPairSamples));
+  }
+  return out;
+}
+
+}  // namespace baton
