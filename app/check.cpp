@@ -26,17 +26,19 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 640;
 constexpr int kHeight = 640;
 
-/// The contents of a profile file, or of one that only names the model.
-toml::table given_profile(const CheckOptions& o, fs::path& folder) {
-  const fs::path file = o.profile ? *o.profile : profile_file(o.model);
-  folder = fs::absolute(file).parent_path();
-  if (file.extension() == ".toml") {
-    toml::table table = parse_toml(file, "profile");
-    const bool other_model = o.profile && fs::path(o.model).extension() != ".toml" && fs::path(o.model).has_extension();
-    if (other_model) table.insert_or_assign("model", fs::absolute(o.model).string());
-    return table;
+/// The contents of the profile file, with the model that is asked for, or those of one that only names the model.
+/// @throws InputError the profile is none, or --profile goes with something else than a model file
+toml::table given_profile(const CheckOptions& o, const fs::path& file) {
+  if (file.extension() != ".toml") return toml::table{{"model", file.filename().string()}};
+  toml::table table = parse_toml(file, "profile");
+  if (o.profile) {
+    const std::string kind = fs::path(o.model).extension();
+    if (kind != ".xml" && kind != ".urdf") {
+      throw InputError(fmt::format("--profile goes with a model file (.xml, .urdf), not with '{}'", o.model));
+    }
+    table.insert_or_assign("model", fs::absolute(o.model).string());
   }
-  return toml::table{{"model", file.filename().string()}};
+  return table;
 }
 
 std::string shown_value(const toml::node& node) {
@@ -72,24 +74,24 @@ void for_each_value(const CompleteProfile& profile, const toml::table& table, co
   }
 }
 
-/// A profile of the values that a reader wants to see: parts, the arms' home, the drive; all others follow from the
-/// model again.
-std::string short_profile(const CompleteProfile& profile, const fs::path& model, const fs::path& file) {
+/// What was given, and the derived values that a reader wants to see: parts, the arms' home, the drive; all others
+/// follow from the model again.
+std::string short_profile(const toml::table& given, const CompleteProfile& profile, const fs::path& model,
+                          const fs::path& file) {
   const fs::path relative = fs::absolute(model).lexically_relative(fs::absolute(file).parent_path());
   std::ostringstream text;
   text << "# What this file leaves out is derived from the model: `baton check` shows it, and any key can be added.\n";
   for (const std::string& warning : profile.warnings)
     text << "# " << warning << '\n';
-  toml::table head;
-  head.insert("name", profile.table["name"].value_or(std::string("robot")));
-  head.insert("model", relative.empty() ? fs::absolute(model).string() : relative.string());
-  for (const char* key : {"parts", "home_deg"}) {
-    if (const toml::table* part = profile.table[key].as_table()) head.insert(key, *part);
+  toml::table shown = given;
+  shown.insert_or_assign("name", profile.table["name"].value_or(std::string("robot")));
+  shown.insert_or_assign("model", relative.empty() ? fs::absolute(model).string() : relative.string());
+  for (const char* key : {"parts", "home_deg", "rigid"}) {
+    if (const toml::node* node = profile.table.get(key)) shown.insert_or_assign(key, *node);
   }
-  toml::table drive;
-  drive.insert("kind", profile.table["drive"]["kind"].value_or(std::string("pd")));
-  head.insert("drive", drive);
-  text << head << '\n';
+  if (!shown.contains("drive")) shown.insert("drive", toml::table{});
+  shown["drive"].as_table()->insert("kind", profile.table["drive"]["kind"].value_or(std::string("pd")));
+  text << shown << '\n';
   return text.str();
 }
 
@@ -145,13 +147,16 @@ int check(const CheckOptions& o) {
   if (o.pictures) make_folder(*o.pictures, "--pictures");
   check_distinct({{"--write-profile", o.write_profile}, {"--report", o.report}},
                  {{"MODEL", profile_file(o.model)}, {"--profile", o.profile}});
+  const fs::path file = o.profile ? *o.profile : profile_file(o.model);
+  const fs::path folder = fs::absolute(file).parent_path();
+  const toml::table given = given_profile(o, file);
+  static_cast<void>(Profile::complete_with(of_no_robot(given), folder, file.string()));
+  const fs::path model = folder / given["model"].value_or(std::string());
+  check_distinct({{"--write-profile", o.write_profile}, {"--report", o.report}}, {{"its model", model}});
   std::optional<OutputFile> profile_output;
   std::optional<OutputFile> report_output;
   if (o.write_profile) profile_output.emplace(*o.write_profile, "--write-profile");
   if (o.report) report_output.emplace(*o.report, "--report");
-  fs::path folder;
-  const toml::table given = given_profile(o, folder);
-  const fs::path model = folder / given["model"].value_or(std::string());
   if (is_urdf(model)) {
     static_cast<void>(parse_urdf(model));
   } else {
@@ -167,7 +172,7 @@ int check(const CheckOptions& o) {
   int code = kFailed;
   std::vector<std::string> problems;
   try {
-    const CompleteProfile profile = complete(given, folder, model.string());
+    const CompleteProfile profile = complete(given, folder, file.string());
     for_each_value(profile, profile.table, "",
                    [&](const std::string& key, const toml::node& node, const std::string& from) {
                      const std::string value = shown_value(node);
@@ -178,13 +183,13 @@ int check(const CheckOptions& o) {
     for (const std::string& warning : profile.warnings)
       fmt::print("note: {}\n", warning);
     report["warnings"] = profile.warnings;
-    const RobotModel robot(Profile::complete_with(profile, folder, model.string()));
+    const RobotModel robot(Profile::complete_with(profile, folder, file.string()));
     report["robot"] = robot.profile().name;
     report["mass_kg"] = robot.mass();
     report["joints"] = robot.joints().size();
     fmt::print("{}: {:.2f} kg, {} joints, COM at {:.3f} m\n", robot.profile().name, robot.mass(), robot.joints().size(),
                robot.profile().stance.com_height);
-    if (profile_output) profile_output->write(short_profile(profile, model, *o.write_profile));
+    if (profile_output) profile_output->write(short_profile(given, profile, model, *o.write_profile));
     bool fell = false;
     problems = try_out(robot, o, report["trials"], fell);
     if (interrupted) {

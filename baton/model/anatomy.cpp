@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 namespace baton {
@@ -14,10 +13,6 @@ constexpr double kOnSide = 0.2;     ///< a cylinder whose axis rises by less tha
 constexpr int kArmJoints = 7;       ///< most joints of an arm: what comes after them are fingers
 constexpr int kLegJoints = 6;       ///< least joints of a leg
 constexpr double kMidline = 0.005;  ///< a limb on one side is beyond this [height of the robot]
-
-Pose local_pose(const mjtNum* pos, const mjtNum* quat) {
-  return {Vec3(pos[0], pos[1], pos[2]), Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
-}
 
 /// Points of a geom, in its frame, among which are those that touch a plane with this normal.
 std::vector<Vec3> touching_points(const mjModel& m, int geom, const Vec3& normal) {
@@ -139,14 +134,7 @@ void find_feet(const Tree& tree, const std::vector<Vec3>& at, Anatomy& found) {
     }
   }
   if (found.foot.left < 0 || found.foot.right < 0) {
-    found.problems.emplace_back("no two legs of at least 6 hinges, one on each side (y > 0 is left) at q = 0");
-    return;
-  }
-  const int shared = tree.hinges_to(tree.common(found.foot.left, found.foot.right));
-  for (const Side side : kSides) {
-    if (tree.hinges_to(found.foot[side]) - shared >= kLegJoints) continue;
-    found.problems.emplace_back("a leg has fewer than 6 hinges of its own");
-    return;
+    found.no_legs = "no two legs of at least 6 hinges, one on each side (y > 0 is left) at q = 0";
   }
 }
 
@@ -201,7 +189,7 @@ void find_arms(const Tree& tree, const std::vector<Vec3>& at, Anatomy& found) {
     }
   }
   if (found.shoulder.left < 0 || found.shoulder.right < 0) {
-    found.problems.emplace_back("no two arms of at least 2 hinges, one wholly on each side at q = 0");
+    found.no_arms = "no two arms of at least 2 hinges, one wholly on each side at q = 0";
     return;
   }
   found.trunk = tree.common(found.shoulder.left, found.shoulder.right);
@@ -221,6 +209,10 @@ void find_imu(const mjModel& m, Anatomy& found) {
 }
 
 }  // namespace
+
+Pose local_pose(const mjtNum* pos, const mjtNum* quat) {
+  return {Vec3(pos[0], pos[1], pos[2]), Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
+}
 
 SoleShape sole_shape(const mjModel& m, int body, const Pose& frame) {
   SoleShape sole;

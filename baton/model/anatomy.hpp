@@ -10,6 +10,9 @@
 
 namespace baton {
 
+/// A pose as MuJoCo holds it: position (3), quaternion wxyz (4).
+[[nodiscard]] Pose local_pose(const mjtNum* pos, const mjtNum* quat);
+
 /// What stands on the ground: the part of a foot that touches a plane.
 struct SoleShape {
   double height = 0.0;         ///< lowest point in the foot's frame, along the given normal [m]
@@ -30,9 +33,10 @@ struct Anatomy {
   BySide<int> hand{-1, -1};
   BySide<int> shoulder{-1, -1};
   int trunk = -1;
-  std::string imu;                    ///< site on the first body, "" if there is none
-  std::vector<std::string> fingers;   ///< joints beyond the hands
-  std::vector<std::string> problems;  ///< what was not found, a line each
+  std::string imu;                   ///< site on the first body, "" if there is none
+  std::vector<std::string> fingers;  ///< joints beyond the hands
+  std::string no_legs;               ///< why no feet were found; "" if they were
+  std::string no_arms;               ///< the same for hands and shoulders
 };
 
 /// Finds feet, hands, shoulders, trunk and IMU at q = 0, where the root's x points forward and its z up.

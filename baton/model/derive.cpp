@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -25,12 +27,13 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kStraight = 0.92;         ///< COM height over that with straight legs
 constexpr double kAssumedArmature = 1e-4;  ///< of a motor whose model states none [kg·m² per N·m of stall torque]
 constexpr double kAssumedSpeed = 2.5;      ///< largest speed of a joint whose model states none [ω]
-constexpr double kServoDamping = 0.5;      ///< damping ratio of a servo with the inertia that it moves at q = 0
-constexpr double kStallAngle = 0.25;       ///< error at which a servo gives its stall torque, if soft enough [rad]
-constexpr int kHomeSamples = 4000;         ///< postures of an arm that are looked at for its home
-constexpr int kPairSamples = 200;          ///< postures in which the distances of links are looked at
-constexpr double kApart = 0.02;            ///< links that are nearer at home are made to be [COM height]
-constexpr double kNear = 0.05;             ///< links that never come nearer need no check [COM height]
+constexpr double kFastest = 20.0;  ///< a larger no-load speed by damping is none: the damping is not the motor's [ω]
+constexpr double kServoDamping = 0.5;  ///< damping ratio of a servo with the inertia that it moves at q = 0
+constexpr double kStallAngle = 0.25;   ///< error at which a servo gives its stall torque, if soft enough [rad]
+constexpr int kHomeSamples = 4000;     ///< postures of an arm that are looked at for its home
+constexpr int kPairSamples = 200;      ///< postures in which the distances of links are looked at
+constexpr double kApart = 0.015;       ///< links that are nearer at home are made to be [COM height]
+constexpr double kNear = 0.05;         ///< links that never come nearer need no check [COM height]
 
 double rounded(double value, double unit) {
   return std::round(value / unit) * unit;
@@ -40,7 +43,7 @@ double rounded(double value, double unit) {
 double to_digits(double value) {
   if (value == 0.0) return 0.0;
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 3.0);
-  return std::stod(fmt::format("{:.9g}", rounded(value, unit)));
+  return std::strtod(fmt::format("{:.9g}", rounded(value, unit)).c_str(), nullptr);
 }
 
 /// Fills a table; keys that it has stay.
@@ -92,7 +95,12 @@ std::vector<std::string> texts(const toml::node* node) {
 /// A compiled model, posed.
 class Posed {
  public:
-  explicit Posed(const mjModel& model) : m(model), data(mj_makeData(&model)) { mj_kinematics(&m, data.get()); }
+  /// At q = 0, the first body level at the origin.
+  explicit Posed(const mjModel& model) : m(model), data(mj_makeData(&model)) {
+    std::fill_n(data->qpos, 7, 0.0);
+    data->qpos[3] = 1.0;
+    mj_kinematics(&m, data.get());
+  }
 
   [[nodiscard]] Pose body(int b) const {
     return {Eigen::Map<const Vec3>(data->xpos + 3 * b),
@@ -167,7 +175,7 @@ std::vector<double> arm_home(const mjModel& m, const std::vector<int>& arm, int 
   const Vec3 tip = Eigen::Map<const Vec3>(m.body_ipos + 3 * hand);
   length += tip.norm();
   const Vec3 at = posed.body(shoulder).p;
-  const Vec3 wanted = at + length * Vec3(0.4, 0.2 * sign_of(side), -0.6);
+  const Vec3 wanted = at + length * Vec3(0.45, 0.25 * sign_of(side), -0.5);
   const auto cost = [&](const std::vector<double>& angles) {
     double sum = 0.0;
     for (std::size_t k = 0; k < arm.size(); ++k) {
@@ -226,9 +234,9 @@ int joints_between(const mjModel& m, int a, int b) {
   return static_cast<int>(chain(m, common, a).size() + chain(m, common, b).size());
 }
 
-/// Pairs of links that come near each other in some postures, but not at home, and are not of the same limb one or two
-/// joints apart.
-toml::array self_pairs(const mjModel& m, const std::map<std::string, double>& home, double h) {
+/// Pairs of links that come near each other in some postures, but not at home. Links that two joints connect, or the
+/// three of a hip, are no pair: their joints' ranges keep them apart.
+toml::array self_pairs(const mjModel& m, const BySide<int>& foot, const std::map<std::string, double>& home, double h) {
   Posed posed(m);
   std::vector<int> colliders;
   for (int g = 0; g < m.ngeom; ++g) {
@@ -239,7 +247,10 @@ toml::array self_pairs(const mjModel& m, const std::map<std::string, double>& ho
     for (std::size_t k = i + 1; k < colliders.size(); ++k) {
       const int a = m.geom_bodyid[colliders[i]];
       const int b = m.geom_bodyid[colliders[k]];
-      if (joints_between(m, a, b) <= 2) continue;
+      const bool hip = std::ranges::any_of(kSides, [&](Side side) {
+        return common_ancestor(m, std::max(a, b), foot[side]) == std::max(a, b);  // the farther one is of that leg
+      });
+      if (joints_between(m, a, b) <= (hip ? 3 : 2)) continue;
       candidates.emplace_back(colliders[i], colliders[k]);
     }
   }
@@ -281,77 +292,114 @@ toml::array self_pairs(const mjModel& m, const std::map<std::string, double>& ho
   return pairs;
 }
 
-/// Motors of the model: what the profile's rows say, else what the model states, else an assumption.
-void derive_servos(const mjModel& m, const fs::path& model, double omega, double weight_height, CompleteProfile& out) {
-  std::set<std::string> named;
-  const toml::node_view<toml::node> rows = out.table.at_path("drive.gains");
-  if (const toml::array* given = rows.as_array()) {
-    for (const toml::node& row : *given) {
-      const toml::table* table = row.as_table();
-      for (const std::string& joint : texts(table == nullptr ? nullptr : table->get("joints")))
-        named.insert(joint);
-    }
-  } else if (rows) {
-    return;  // not a list: whoever reads it complains
+/// What is known of the motors, joint by joint.
+class Motors {
+ public:
+  Motors(const mjModel& model, const fs::path& file, double omega)
+      : m_(model), omega_(omega), inertia_(static_cast<std::size_t>(model.nv * model.nv)) {
+    if (is_urdf(file)) speeds_ = urdf_speed_limits(file);
+    Posed posed(m_);
+    mj_comPos(&m_, posed.data.get());
+    mj_crb(&m_, posed.data.get());
+    mj_fullM(&m_, posed.data.get(), inertia_.data());
   }
-  const std::map<std::string, double> speeds =
-      is_urdf(model) ? urdf_speed_limits(model) : std::map<std::string, double>{};
-  std::map<std::array<double, 5>, toml::array> kinds;  // torque, armature, speed, kp, kd → joints
+
+  /// Reflected inertia that has to be assumed; 0 if the model states one [kg·m²].
+  [[nodiscard]] double assumed_armature(int joint) const {
+    const bool stated = m_.dof_armature[m_.jnt_dofadr[joint]] > 0.0;
+    return stated ? 0.0 : to_digits(kAssumedArmature * torque(joint));
+  }
+  /// No-load speed by the file or, if nothing sets one, assumed; 0 if damping sets it [rad/s].
+  [[nodiscard]] double speed(int joint, bool& assumed) const {
+    const auto stated = speeds_.find(name_of(m_, mjOBJ_JOINT, joint));
+    const double damping = m_.dof_damping[m_.jnt_dofadr[joint]];
+    assumed = stated == speeds_.end() && (damping <= 0.0 || torque(joint) / damping > kFastest * omega_);
+    if (stated != speeds_.end()) return stated->second;
+    return assumed ? to_digits(kAssumedSpeed * omega_) : 0.0;
+  }
+  [[nodiscard]] double torque(int joint) const { return m_.jnt_actfrcrange[2 * joint + 1]; }
+  /// Inertia that the joint moves at q = 0, with this armature [kg·m²].
+  [[nodiscard]] double inertia(int joint, double armature) const {
+    const int dof = m_.jnt_dofadr[joint];
+    return inertia_[static_cast<std::size_t>(dof * (m_.nv + 1))] - m_.dof_armature[dof] + armature;
+  }
+
+ private:
+  const mjModel& m_;
+  double omega_;
+  std::vector<double> inertia_;
+  std::map<std::string, double> speeds_;
+};
+
+/// Adds rows for the joints that have none, and to given rows what the model lacks.
+void derive_servos(const mjModel& m, const fs::path& model, double omega, double weight_height, CompleteProfile& out) {
+  const Motors motors(m, model, omega);
   std::vector<std::string> slow;
   std::vector<std::string> light;
-  std::vector<double> inertia(static_cast<std::size_t>(m.nv) * static_cast<std::size_t>(m.nv));
-  Posed posed(m);
-  mj_comPos(&m, posed.data.get());
-  mj_crb(&m, posed.data.get());
-  mj_fullM(&m, posed.data.get(), inertia.data());
+  const auto speed_of = [&](int joint) {
+    bool assumed = false;
+    const double speed = motors.speed(joint, assumed);
+    if (assumed) slow.push_back(name_of(m, mjOBJ_JOINT, joint));
+    return speed;
+  };
+  const auto armature_of = [&](int joint) {
+    const double armature = motors.assumed_armature(joint);
+    if (armature > 0.0) light.push_back(name_of(m, mjOBJ_JOINT, joint));
+    return armature;
+  };
+  toml::array rows;
+  std::set<std::string> named;
+  if (const toml::array* given = out.table.at_path("drive.gains").as_array()) {
+    for (const toml::node& node : *given) {
+      const toml::table& row = *node.as_table();  // as validated
+      std::map<std::array<double, 2>, toml::array> lacking;
+      for (const std::string& name : texts(row.get("joints"))) {
+        named.insert(name);
+        const int joint = mj_name2id(&m, mjOBJ_JOINT, name.c_str());
+        const bool known = joint > 0 && m.jnt_type[joint] == mjJNT_HINGE;
+        const double armature = known && !row.contains("armature") ? armature_of(joint) : 0.0;
+        const double speed = known && !row.contains("speed") ? speed_of(joint) : 0.0;
+        lacking[{armature, speed}].push_back(name);
+      }
+      for (auto& [what, joints] : lacking) {
+        toml::table part = row;
+        part.insert_or_assign("joints", joints);
+        if (what[0] > 0.0) part.insert("armature", what[0]);
+        if (what[1] > 0.0) part.insert("speed", what[1]);
+        rows.push_back(std::move(part));
+      }
+    }
+  }
+  std::map<std::array<double, 5>, toml::array> kinds;  // torque, armature, speed, kp, kd → joints
   for (int j = 1; j < m.njnt; ++j) {
     const std::string joint = name_of(m, mjOBJ_JOINT, j);
-    if (m.jnt_type[j] != mjJNT_HINGE || named.contains(joint)) continue;
-    if (!m.jnt_actfrclimited[j]) continue;  // whoever builds the robot complains
-    const int dof = m.jnt_dofadr[j];
-    const double torque = m.jnt_actfrcrange[2 * j + 1];
-    double armature = m.dof_armature[dof];
-    if (armature <= 0.0) {
-      armature = to_digits(kAssumedArmature * torque);
-      light.push_back(joint);
-    }
-    double speed = 0.0;  // by damping
-    if (const auto stated = speeds.find(joint); stated != speeds.end()) {
-      speed = stated->second;
-    } else if (m.dof_damping[dof] <= 0.0 || torque / m.dof_damping[dof] > 20.0 * omega) {
-      speed = to_digits(kAssumedSpeed * omega);
-      slow.push_back(joint);
-    }
-    const double kp = to_digits(std::min(torque / kStallAngle, weight_height));
-    const double moved = inertia[static_cast<std::size_t>(dof) * static_cast<std::size_t>(m.nv + 1)];
-    const double kd = to_digits(2.0 * kServoDamping * std::sqrt(kp * (moved - m.dof_armature[dof] + armature)));
-    kinds[{torque, armature, speed, kp, kd}].push_back(joint);
+    if (named.contains(joint)) continue;
+    const double assumed = armature_of(j);
+    const double armature = assumed > 0.0 ? assumed : m.dof_armature[m.jnt_dofadr[j]];
+    const double kp = to_digits(std::min(motors.torque(j) / kStallAngle, weight_height));
+    const double kd = to_digits(2.0 * kServoDamping * std::sqrt(kp * motors.inertia(j, armature)));
+    kinds[{motors.torque(j), armature, speed_of(j), kp, kd}].push_back(joint);
   }
   const auto missing = [&out](const std::vector<std::string>& joints, const std::string& what) {
     if (joints.empty()) return;
-    out.warnings.push_back(fmt::format("{} of {} joints ({}{}): {}",
-                                       joints.size() == 1 ? "1" : fmt::format("{}", joints.size()), joints.size(),
-                                       joints.front(), joints.size() > 1 ? ", …" : "", what));
+    out.warnings.push_back(
+        fmt::format("{} joints ({}{}): {}", joints.size(), joints.front(), joints.size() > 1 ? ", …" : "", what));
   };
-  missing(
-      light,
-      fmt::format("the model states no armature; {} kg·m² per N·m of stall torque are assumed (drive.gains.armature)",
-                  kAssumedArmature));
+  missing(light, fmt::format("the model states no armature; {} kg·m² per N·m of stall torque are assumed "
+                             "(drive.gains.armature)",
+                             kAssumedArmature));
   missing(slow, fmt::format("the model states no speed limit; {} rad/s are assumed (drive.gains.speed)",
                             to_digits(kAssumedSpeed * omega)));
-  if (kinds.empty()) return;
-  if (!out.table.contains("drive")) out.table.insert("drive", toml::table{});
-  toml::table* drive = out.table.get_as<toml::table>("drive");
-  if (drive == nullptr) return;
-  if (!drive->contains("gains")) drive->insert("gains", toml::array{});
-  toml::array* list = drive->get_as<toml::array>("gains");
   for (auto& [kind, joints] : kinds) {
     const auto& [torque, armature, speed, kp, kd] = kind;
     toml::table row{{"kp", kp}, {"kd", kd}, {"torque", torque}, {"armature", armature}};
     if (speed > 0.0) row.insert("speed", speed);
     row.insert("joints", joints);
-    list->push_back(std::move(row));
+    rows.push_back(std::move(row));
   }
+  if (!out.table.contains("drive")) out.table.insert("drive", toml::table{});
+  out.table["drive"].as_table()->insert_or_assign("gains", std::move(rows));
+  if (kinds.empty()) return;
   out.sources["drive.gains"] = fmt::format(
       "kp: stall torque per {} rad, at most m g h; kd: damping ratio {} at q = 0; torque, armature, speed: the model",
       kStallAngle, kServoDamping);
@@ -433,6 +481,8 @@ CompleteProfile of_no_robot(const toml::table& given) {
   fill("stance.com_height", size.h, "");
   fill("stance.width", size.width, "");
   fill("home_deg", toml::table{}, "");
+  fill("duration.max", std::max(60.0, fill.number("duration.default", 0.0)), "");
+  fill("duration.default", 0.05, "");
   fill_from(size, fill);
   if (!out.table.at_path("drive.gains")) fill("drive.gains", toml::array{}, "");
   return out;
@@ -444,7 +494,7 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
   Filler fill(out);
   const std::string model_name = fill.text("model");
   if (model_name.empty()) return out;  // whoever reads it complains
-  const fs::path path = folder / model_name;
+  const fs::path path = (folder / model_name).lexically_normal();
   fill("name", fs::path(model_name).stem().string(), "the model's file");
   const std::string owner = fmt::format("model {}", path.string());
   std::error_code ignored;
@@ -494,6 +544,15 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     model = compile_model(*spec, owner);
   }
   const mjModel& m = *model;
+  std::set<std::string> given_torques;  // joints
+  if (const toml::array* rows = out.table.at_path("drive.gains").as_array()) {
+    for (const toml::node& row : *rows) {
+      const toml::table* table = row.as_table();
+      if (table == nullptr || !table->contains("torque")) continue;
+      for (const std::string& joint : texts(table->get("joints")))
+        given_torques.insert(joint);
+    }
+  }
 
   // What the parts say.
   BySide<int> foot{-1, -1};
@@ -509,12 +568,16 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
          {std::pair("foot", foot[side]), std::pair("hand", hand[side]), std::pair("shoulder", shoulder[side])}) {
       const std::string key = fmt::format("parts.{}_{}", of, name);
       const std::string value = fill.text(key);
+      if (found == 0) problems.push_back(fmt::format("{} = '{}': must be a part of the robot", key, value));
       if (found < 0 && !value.empty())
         problems.push_back(fmt::format("{} = '{}': the model has no such body or site", key, value));
       if (found < 0 && value.empty()) problems.push_back(fmt::format("{} is missing: must be a body or site", key));
     }
   }
-  problems.insert(problems.begin(), parts.problems.begin(), parts.problems.end());
+  if (!parts.no_arms.empty() && std::min({hand.left, hand.right, shoulder.left, shoulder.right}) < 0) {
+    problems.insert(problems.begin(), parts.no_arms);
+  }
+  if (!parts.no_legs.empty() && std::min(foot.left, foot.right) < 0) problems.insert(problems.begin(), parts.no_legs);
   for (const Side side : kSides) {
     const std::string of(to_string(side));
     if (foot.left >= 0 && foot.right >= 0) {
@@ -543,10 +606,10 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     }
     sole[side] = sole_shape(m, foot[side], frame);
     if (sole[side].outline.empty()) {
-      problems.push_back(
-          fmt::format("body '{}' of the {} foot has no colliding geom to stand on: give it one with "
-                      "contype and conaffinity",
-                      body(foot[side]), to_string(side)));
+      problems.push_back(fmt::format("body '{}' of the {} foot {}", body(foot[side]), to_string(side),
+                                     sole[side].geoms.empty()
+                                         ? "has no colliding geom to stand on: give it one with contype and conaffinity"
+                                         : "touches a plane in a point or a line: a sole needs an area"));
     }
   }
   for (int j = 1; j < m.njnt; ++j) {
@@ -554,6 +617,12 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     if (m.jnt_type[j] != mjJNT_HINGE)
       problems.push_back(fmt::format("joint '{}' is not a hinge: only hinges can be driven", joint));
     if (!m.jnt_limited[j]) problems.push_back(fmt::format("joint '{}' has no range", joint));
+    if (!m.jnt_actfrclimited[j] && !given_torques.contains(joint)) {
+      problems.push_back(
+          fmt::format("joint '{}' has no torque limit (actuatorfrcrange, forcerange, ctrlrange of a motor, "
+                      "effort, or drive.gains.torque)",
+                      joint));
+    }
   }
   if (!problems.empty()) {
     throw InputError(fmt::format("profile {}: {}: {}", file, owner, fmt::join(problems, "; ")));
@@ -621,7 +690,7 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
   fill_from({h, w, width, arm_length}, fill);
   derive_servos(m, path, omega, m.body_subtreemass[1] * kGravity * h, out);
   if (m.npair == 0 && !out.table.contains("self_pairs")) {
-    fill("self_pairs", self_pairs(m, home, h),
+    fill("self_pairs", self_pairs(m, foot, home, h),
          fmt::format("links that come nearer than {} h to each other in some of {} postures, and do not touch at home",
                      kNear, kPairSamples));
   }

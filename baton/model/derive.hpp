@@ -24,7 +24,7 @@ struct CompleteProfile {
 [[nodiscard]] CompleteProfile of_no_robot(const toml::table& given);
 
 /// Adds what is missing to the contents of a profile. Values of the file stay, and what depends on them follows them.
-/// @param given contents of the profile; needs `model`, relative to `folder`
+/// @param given contents of a profile, as validated with `of_no_robot`; needs `model`, relative to `folder`
 /// @param file name of the profile, for messages
 /// @throws InputError no model, or one in which the parts of a humanoid are not found; the message lists all findings
 [[nodiscard]] CompleteProfile complete(const toml::table& given, const std::filesystem::path& folder,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <set>
 
@@ -95,6 +94,22 @@ bool isolate_robot(mjSpec& spec, const std::string& owner, mjsBody*& root) {
       changed = true;
     }
   }
+  // What refers to what was dropped.
+  for (mjsElement* e : all(spec, mjOBJ_PAIR)) {
+    const mjsPair& pair = *mjs_asPair(e);
+    const auto is_there = [&spec](mjString* name) {
+      return mjs_findElement(&spec, mjOBJ_GEOM, mjs_getString(name)) != nullptr;
+    };
+    if (changed && (!is_there(pair.geomname1) || !is_there(pair.geomname2))) mjs_delete(&spec, e);
+  }
+  for (mjsElement* e : all(spec, mjOBJ_EXCLUDE)) {
+    const mjsExclude& exclude = *mjs_asExclude(e);
+    const auto is_there = [&spec](mjString* name) { return mjs_findBody(&spec, mjs_getString(name)) != nullptr; };
+    if (changed && (!is_there(exclude.bodyname1) || !is_there(exclude.bodyname2))) mjs_delete(&spec, e);
+  }
+  for (mjsElement* e : all(spec, mjOBJ_CAMERA)) {
+    if (changed) mjs_delete(&spec, e);
+  }
   if (!has_free_joint(root)) {
     if (mjs_firstChild(root, mjOBJ_JOINT, 0) != nullptr) {
       throw InputError(
@@ -141,14 +156,17 @@ bool make_rigid(mjSpec& spec, const std::vector<std::string>& names) {
   bool changed = false;
   for (mjsElement* e : all(spec, mjOBJ_EQUALITY)) {
     const mjsEquality& equality = *mjs_asEquality(e);
-    if (equality.type == mjEQ_JOINT) rigid.insert(mjs_getString(equality.name1));
+    if (equality.type == mjEQ_JOINT && equality.active) rigid.insert(mjs_getString(equality.name1));
     mjs_delete(&spec, e);
     changed = true;
   }
   for (mjsElement* e : all(spec, mjOBJ_JOINT)) {
-    if (!rigid.contains(name_of(e))) continue;
+    if (mjs_asJoint(e)->type == mjJNT_FREE || rigid.erase(name_of(e)) == 0) continue;
     mjs_delete(&spec, e);
     changed = true;
+  }
+  for (const std::string& name : names) {
+    if (rigid.contains(name)) throw InputError(fmt::format("rigid: the model has no hinge '{}'", name));
   }
   return changed;
 }
@@ -279,7 +297,7 @@ bool add_sites(mjSpec& spec, mjsBody* root, const std::vector<std::string>& name
   for (const std::string& name : names) {
     if (name.empty() || mjs_findElement(&spec, mjOBJ_SITE, name.c_str()) != nullptr) continue;
     mjsBody* body = mjs_findBody(&spec, name.c_str());
-    if (body == nullptr) continue;  // whoever looks for it complains
+    if (body == nullptr || body == mjs_findBody(&spec, "world")) continue;  // whoever looks for it complains
     mjsSite* site = mjs_addSite(body, nullptr);
     mjs_setName(site->element, name.c_str());
     const Eigen::Quaterniond back = attitude(body, root).inverse();

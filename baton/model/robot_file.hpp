@@ -34,7 +34,8 @@ struct ModelChanges {
 ///
 /// - Mesh and texture files get absolute names, so that the model can be combined with others.
 /// - The robot is the body with the free joint or, if there is none, the first body with hinges below it, which gets
-///   one. Everything else in the world of the file is dropped, as are keyframes, lights, cameras and sensors.
+///   one. Everything else in the world of the file is dropped, with what refers to it; if anything is changed,
+///   keyframes, sensors and tendons are dropped too.
 /// - Bodies, joints and colliding geoms without a name get one.
 /// - Actuators are replaced by one torque motor for each hinge, whose range is the least of the limits that the model
 ///   states (`actuatorfrcrange`, `forcerange`, `ctrlrange` of a torque motor); without any, it has none.

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kHomeMargin = 2.0;  ///< of a joint's home to its limits [margin.joint]
 
-Pose local_pose(const mjtNum* pos, const mjtNum* quat) {
-  return {Vec3(pos[0], pos[1], pos[2]), Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
-}
-
 }  // namespace
 
 std::filesystem::path share_dir() {
@@ -36,8 +32,9 @@ RobotModel RobotModel::load(const std::string& name_or_file) {
   const std::filesystem::path file = profile_file(name_or_file);
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
-    throw InputError(fmt::format("robot '{}': no file {}: give a folder of robots/ or a profile's .toml file",
-                                 name_or_file, file.string()));
+    throw InputError(
+        fmt::format("robot '{}': no file {}: give a folder of robots/, a profile (.toml) or a model (.xml, .urdf)",
+                    name_or_file, file.string()));
   }
   return RobotModel(Profile::load(file));
 }

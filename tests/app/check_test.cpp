@@ -70,7 +70,7 @@ TEST(Check, SaysWhyAModelCannotBeDriven) {
       {(share_dir() / "worlds" / "flat.xml").string(), "hinges"},
       {scratch.write("footless.xml", footless), "right_ankle_abduction"},
       {scratch.write("pole.xml", "<mujoco><worldbody><body><geom size='1'/><joint/></body></worldbody></mujoco>"),
-       "'robot' is held"},
+       "'robot', is held"},
   };
   for (const Case& c : cases) {
     const Outcome outcome = test::run({"check", c.model, "--report", scratch.path("report.json")});

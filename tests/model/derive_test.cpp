@@ -10,6 +10,7 @@
 #include "baton/ik/stand.hpp"
 #include "baton/model/anatomy.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 #include "baton/model/robot_file.hpp"
 #include "baton/model/robot_model.hpp"
 #include "baton/model/urdf.hpp"
@@ -76,7 +77,8 @@ TEST_P(DeriveTest, GivesTheValuesThatTheProfileWasTunedTo) {
 TEST_P(DeriveTest, FindsThePartsWithoutTheirNames) {
   const RobotModel& robot = test::robot(GetParam());
   const Anatomy parts = find_parts(robot.mj());
-  EXPECT_TRUE(parts.problems.empty()) << parts.problems.front();
+  EXPECT_EQ(parts.no_legs, "");
+  EXPECT_EQ(parts.no_arms, "");
   EXPECT_EQ(parts.trunk, robot.trunk_body());
   EXPECT_TRUE(parts.fingers.empty());
   for (const Side side : kSides) {
@@ -143,6 +145,86 @@ TEST(Derive, TellsAllFindingsAtOnce) {
     EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("short.toml"), HasSubstr("mighty.xml"), HasSubstr("'hoof'"),
                                              HasSubstr("'claw'")));
   }
+}
+
+TEST(Derive, WhatAModelDoesNotSayOfItsMotorsIsAssumedAndSaid) {
+  toml::table given = short_profile("mighty");
+  const toml::table row{{"kp", 15.0}, {"kd", 0.1}, {"joints", toml::array{"left_elbow_rotation", "left_knee_flexion"}}};
+  given.insert("drive", toml::table{{"gains", toml::array{row}}});
+  const Scratch scratch;
+  std::string text = read_input(folder_of_mighty() / "mighty.xml", "model");
+  const std::string stated = "armature=\"0.00469\" damping=\"0.119\"";
+  ASSERT_NE(text.find(stated), std::string::npos);
+  text.replace(text.find(stated), stated.size(), "");
+  given.insert_or_assign("model", scratch.write("bare.xml", text));
+  const CompleteProfile profile = complete(given, "/", "bare.toml");
+  EXPECT_THAT(profile.warnings, testing::ElementsAre(testing::AllOf(HasSubstr("2 joints (left_elbow_rotation, …)"),
+                                                                    HasSubstr("armature")),
+                                                     HasSubstr("speed limit")));
+  const RobotModel robot(Profile::complete_with(profile, "/", "bare.toml"));
+  const double omega = robot.omega();
+  for (const Joint& joint : robot.joints()) {
+    const bool bare = joint.name.ends_with("_elbow_rotation");
+    const double armature = robot.mj().dof_armature[6 + (&joint - robot.joints().data())];
+    EXPECT_GT(armature, 0.0) << joint.name;
+    if (bare) {
+      EXPECT_NEAR(joint.motor.no_load, 2.5 * omega, 1e-2 * omega);
+      EXPECT_NEAR(armature, 1e-4 * joint.motor.stall, 1e-7);
+    } else {
+      EXPECT_EQ(joint.motor.no_load, joint.motor.stall / joint.motor.damping) << joint.name;
+    }
+  }
+  EXPECT_EQ(robot.joints()[2].name, "left_elbow_rotation");
+  EXPECT_EQ(robot.joints()[2].gains.kp, 15.0);
+}
+
+/// Profiles and models that broke a reader: refused in one line, or taken; never a crash.
+TEST(Derive, WhateverIsNamedIsRefusedInOneLine) {
+  const Scratch scratch;
+  const std::string model = (folder_of_mighty() / "mighty.xml").string();
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"[parts]\nimu = \"world\"", "world"},
+      {"[parts]\nleft_foot = \"world\"", "must be a part of the robot"},
+      {"[parts]\nleft_hand = \"right_hand\"", "does not hang from"},
+      {"[parts]\nleft_foot = \"imu\"", "0 joints of its own"},
+      {"parts = 3", "parts"},
+      {"home_deg = 1", "home_deg"},
+      {"drive = 3", "drive"},
+      {"rigid = 5", "rigid"},
+      {"rigid = [\"nope\"]", "'nope'"},
+      {"rigid = [\"root\"]", "'root'"},
+      {"rigid = [\"left_knee_flexion\"]", "6 hinges"},
+      {"self_pairs = [[\"a\"]]", "self_pairs[0]"},
+      {"self_pairs = [[\"a\", \"b\"]]", "'a'"},
+      {"[stance]\ncom_height = 1e-310", "com_height"},
+      {"[stance]\ncom_height = nan", "stance.com_height"},
+  };
+  for (const auto& [text, says] : cases) {
+    const std::string file = scratch.write("odd.toml", "model = \"" + model + "\"\n" + text + "\n");
+    try {
+      static_cast<void>(stand(RobotModel::load(file), Pose{}, 0.26));
+      ADD_FAILURE() << "taken: " << text;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(says)) << text;
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+  // A given duration is not held against that of no robot.
+  EXPECT_NO_THROW(static_cast<void>(
+      Profile::load(scratch.write("slow.toml", "model = \"" + model + "\"\n[duration]\ndefault = 2.0\n"))));
+}
+
+TEST(Derive, DoesNotDependOnHowTheModelLies) {
+  std::string text = read_input(folder_of_mighty() / "mighty.xml", "model");
+  const std::string at = "<body name=\"body\" pos=\"0 0 0.3667\">";
+  ASSERT_NE(text.find(at), std::string::npos);
+  text.replace(text.find(at), at.size(), "<body name=\"body\" pos=\"1 2 3\" quat=\"0.5 0.5 -0.5 0.5\">");
+  const Scratch scratch;
+  const Profile lying = Profile::load(scratch.write("lying.xml", text));
+  const Profile upright = Profile::load(folder_of_mighty() / "mighty.xml");
+  EXPECT_EQ(lying.home, upright.home);
+  EXPECT_EQ(lying.stance.width, upright.stance.width);
+  EXPECT_EQ(lying.stance.com_height, upright.stance.com_height);
 }
 
 /// A foot whose colliders are these geoms, turned against the world.
