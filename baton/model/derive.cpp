@@ -166,7 +166,7 @@ double extension(const mjModel& m, const std::vector<int>& leg) {
 }
 
 /// Home of an arm [rad]: of many postures, the one whose hand is nearest to half an arm's length before and below the
-/// shoulder and a little outside it, joints far from their limits.
+/// shoulder and a quarter outside it, joints far from their limits.
 std::vector<double> arm_home(const mjModel& m, const std::vector<int>& arm, int shoulder, int hand, Side side) {
   Posed posed(m);
   double length = 0.0;
