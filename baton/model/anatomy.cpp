@@ -76,9 +76,8 @@ int hinges(const mjModel& m, int body) {
 
 /// What is asked about the tree of bodies.
 struct Tree {
-  explicit Tree(const mjModel& model) : m(model), children(static_cast<std::size_t>(model.nbody)) {
+  explicit Tree(const mjModel& model) : m(model) {
     for (int b = 1; b < m.nbody; ++b) {
-      children[static_cast<std::size_t>(m.body_parentid[b])].push_back(b);
       int above = 0;
       for (int a = b; a > 0; a = m.body_parentid[a])
         above += hinges(m, a);
@@ -98,14 +97,8 @@ struct Tree {
     }
     return true;
   }
-  [[nodiscard]] int common(int a, int b) const {
-    while (a != b)
-      (a > b ? a : b) = m.body_parentid[a > b ? a : b];
-    return a;
-  }
 
   const mjModel& m;
-  std::vector<std::vector<int>> children;
   std::vector<int> depth;
 };
 
@@ -192,7 +185,7 @@ void find_arms(const Tree& tree, const std::vector<Vec3>& at, Anatomy& found) {
     found.no_arms = "no two arms of at least 2 hinges, one wholly on each side at q = 0";
     return;
   }
-  found.trunk = tree.common(found.shoulder.left, found.shoulder.right);
+  found.trunk = common_ancestor(m, found.shoulder.left, found.shoulder.right);
 }
 
 void find_imu(const mjModel& m, Anatomy& found) {
@@ -212,6 +205,12 @@ void find_imu(const mjModel& m, Anatomy& found) {
 
 Pose local_pose(const mjtNum* pos, const mjtNum* quat) {
   return {Vec3(pos[0], pos[1], pos[2]), Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix()};
+}
+
+int common_ancestor(const mjModel& m, int a, int b) {
+  while (a != b)
+    (a > b ? a : b) = m.body_parentid[a > b ? a : b];
+  return a;
 }
 
 SoleShape sole_shape(const mjModel& m, int body, const Pose& frame) {

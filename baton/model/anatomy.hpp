@@ -13,6 +13,9 @@ namespace baton {
 /// A pose as MuJoCo holds it: position (3), quaternion wxyz (4).
 [[nodiscard]] Pose local_pose(const mjtNum* pos, const mjtNum* quat);
 
+/// The last body that two bodies hang from, or one of them.
+[[nodiscard]] int common_ancestor(const mjModel& model, int a, int b);
+
 /// What stands on the ground: the part of a foot that touches a plane.
 struct SoleShape {
   double height = 0.0;         ///< lowest point in the foot's frame, along the given normal [m]

@@ -129,12 +129,6 @@ std::vector<int> chain(const mjModel& m, int ancestor, int body) {
   return joints;
 }
 
-int common_ancestor(const mjModel& m, int a, int b) {
-  while (a != b)
-    (a > b ? a : b) = m.body_parentid[a > b ? a : b];
-  return a;
-}
-
 /// Index of the body that a part's name stands for: a body, or the one that a site is on. −1: there is none.
 int body_of(const mjModel& m, const std::string& name) {
   const int site = mj_name2id(&m, mjOBJ_SITE, name.c_str());
@@ -262,13 +256,10 @@ toml::array self_pairs(const mjModel& m, const BySide<int>& foot, const std::map
     if (between.norm() - m.geom_rbound[a] - m.geom_rbound[b] >= far) return far;
     return mj_geomDistance(&m, posed.data.get(), a, b, far, nullptr);
   };
-  const auto go_home = [&] {
-    for (int j = 1; j < m.njnt; ++j) {
-      const auto angle = home.find(name_of(m, mjOBJ_JOINT, j));
-      posed.set(j, angle == home.end() ? std::clamp(0.0, m.jnt_range[2 * j], m.jnt_range[2 * j + 1]) : angle->second);
-    }
-  };
-  go_home();
+  for (int j = 1; j < m.njnt; ++j) {
+    const auto angle = home.find(name_of(m, mjOBJ_JOINT, j));
+    posed.set(j, angle == home.end() ? std::clamp(0.0, m.jnt_range[2 * j], m.jnt_range[2 * j + 1]) : angle->second);
+  }
   posed.update();
   std::erase_if(candidates, [&](const auto& pair) { return distance(pair) < kApart * h; });
   std::vector<bool> near(candidates.size(), false);
