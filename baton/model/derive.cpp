@@ -498,9 +498,12 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
 
   ModelChanges changes;
   changes.rigid = texts(out.table.get("rigid"));
-  SpecPtr spec = read_robot(path, changes);
-  spec->compiler.discardvisual = 1;
-  ModelPtr model = compile_model(*spec, owner);
+  const auto compiled = [&] {
+    const SpecPtr spec = read_robot(path, changes);
+    spec->compiler.discardvisual = 1;
+    return compile_model(*spec, owner);
+  };
+  ModelPtr model = compiled();
   const Anatomy parts = find_parts(*model);
   const auto body = [&](int id) { return id < 0 ? std::string() : name_of(*model, mjOBJ_BODY, id); };
   const auto part = [&](const std::string& key, int id, const char* how) {
@@ -530,9 +533,7 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     }
     fill("rigid", rigid, "joints beyond the hands");
     changes.rigid = texts(out.table.get("rigid"));
-    spec = read_robot(path, changes);
-    spec->compiler.discardvisual = 1;
-    model = compile_model(*spec, owner);
+    model = compiled();
   }
   const mjModel& m = *model;
   std::set<std::string> given_torques;  // joints
@@ -585,17 +586,14 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     }
   }
   Posed posed(m);
+  BySide<Pose> foot_frame;  // of the sole's attitude, in the foot
   BySide<SoleShape> sole;
   for (const Side side : kSides) {
     if (foot[side] < 0) continue;
     const int site = mj_name2id(&m, mjOBJ_SITE, fill.text(fmt::format("parts.{}_foot", to_string(side))).c_str());
-    Pose frame{Vec3::Zero(), posed.body(foot[side]).R.transpose() * posed.body(1).R};
-    if (site >= 0) {
-      const double* q = m.site_quat + 4 * site;
-      frame = {Eigen::Map<const Vec3>(m.site_pos + 3 * site),
-               Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix()};
-    }
-    sole[side] = sole_shape(m, foot[side], frame);
+    foot_frame[side] = site >= 0 ? local_pose(m.site_pos + 3 * site, m.site_quat + 4 * site)
+                                 : Pose{Vec3::Zero(), posed.body(foot[side]).R.transpose() * posed.body(1).R};
+    sole[side] = sole_shape(m, foot[side], foot_frame[side]);
     if (sole[side].outline.empty()) {
       problems.push_back(fmt::format("body '{}' of the {} foot {}", body(foot[side]), to_string(side),
                                      sole[side].geoms.empty()
@@ -622,11 +620,8 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
   // Size: COM height, sole's half-width, arm's length.
   const std::vector<int> leg = chain(m, common_ancestor(m, foot.left, foot.right), foot.left);
   const auto sole_at = [&](Side side) {
-    const Pose at = posed.body(foot[side]);
-    const int site = mj_name2id(&m, mjOBJ_SITE, fill.text(fmt::format("parts.{}_foot", to_string(side))).c_str());
-    const Vec3 offset = site >= 0 ? Vec3(Eigen::Map<const Vec3>(m.site_pos + 3 * site)) : Vec3::Zero();
-    const Vec3 origin = at * offset;
-    return Vec3(origin + posed.body(1).R * Vec3(sole[side].centre.x(), sole[side].centre.y(), sole[side].height));
+    const Vec3 centre(sole[side].centre.x(), sole[side].centre.y(), sole[side].height);
+    return Vec3(posed.body(foot[side]) * foot_frame[side] * centre);
   };
   const double straight = posed.com_height() - sole_at(Side::left).z() + extension(m, leg);
   fill("stance.com_height", rounded(kStraight * straight, 1e-3),
