@@ -32,10 +32,12 @@ target_link_libraries(
          fmt::fmt
          nlohmann_json::nlohmann_json
          tomlplusplus::tomlplusplus
+         pugixml::pugixml
+         assimp::assimp
   PRIVATE baton_options)
 
 add_custom_target(fuzz)
-foreach(target script profile page recording motion)
+foreach(target script profile urdf page recording motion)
   add_executable(fuzz_${target} EXCLUDE_FROM_ALL tests/fuzz/fuzz_${target}.cpp)
   set_target_properties(fuzz_${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   target_link_libraries(fuzz_${target} PRIVATE baton_fuzzed baton_options)
