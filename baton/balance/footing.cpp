@@ -6,7 +6,8 @@
 namespace baton {
 namespace {
 
-// Lengths are in COM heights, forces in weights, rates in ω, times in 1/ω.
+// Lengths are in COM heights or, where it says "sole", in half-widths of a sole; forces in weights, rates in ω, times
+// in 1/ω.
 constexpr double kFollowHeight = 2.4;       ///< height of a loaded sole is followed
 constexpr double kFollowHeightEarly = 4.9;  ///< the same after early touchdown
 constexpr double kFollowPlace = 1.3;        ///< horizontal position of a loaded sole is followed
@@ -16,13 +17,13 @@ constexpr double kRelax = 0.16;     ///< compliance with internal force between 
 constexpr double kUntwist = 0.33;   ///< the same with internal yaw moment [ω per weight × COM height]
 constexpr double kYieldTilt = 1.3;  ///< compliance with excess moment [ω per weight × COM height]
 constexpr double kYieldHeight = 0.033;   ///< compliance with excess vertical force [COM height × ω per weight]
-constexpr double kMomentBand = 0.04;     ///< dead band of excess moment, as error of the centre of pressure
+constexpr double kMomentBand = 0.29;     ///< dead band of excess moment, as error of the centre of pressure [sole]
 constexpr double kForceBand = 0.1;       ///< dead band of excess force
 constexpr double kContactLoad = 0.05;    ///< least load of a sole in contact
 constexpr double kExpectedLoad = 0.1;    ///< least planned load from which a contact is expected
 constexpr double kMissedTime = 0.107;    ///< time without an expected contact after which a sole searches downward
 constexpr double kFullLoad = 0.3;        ///< load from which a sole is followed at the full rate
-constexpr double kFlatMargin = 0.03;     ///< least margin of the centre of pressure inside a sole that is flat
+constexpr double kFlatMargin = 0.22;     ///< least margin of the centre of pressure inside a sole that is flat [sole]
 constexpr double kPlaceBand = 4e-4;      ///< dead band of the position error
 constexpr double kTiltBand = 1e-3;       ///< dead band of the tilt error [rad]
 constexpr double kMaxHeight = 0.045;     ///< bound of the vertical offset
@@ -56,6 +57,7 @@ Footing::Footing(const RobotModel& robot)
     : robot_(&robot),
       period_(robot.omega() * robot.profile().tick.period),
       height_(robot.profile().stance.com_height),
+      half_width_(robot.sole_half_width()),
       weight_(robot.mass() * kGravity),
       ankle_kp_(ankle_stiffness(robot) / (weight_ * height_)),
       softness_(std::min(1.0, kStiffServo / ankle_kp_)),
@@ -129,7 +131,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   // In series with soft ground an ankle turns that much farther for the same moment.
   const double farther = std::min(1.0 + ankle_kp_ * ground_.estimate(), kMaxSoftGain);
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
-  const double band = kMomentBand / farther * force.force.z() / weight_;
+  const double band = kMomentBand * half_width_ / height_ / farther * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);
   Tipping& tipping = tipping_[side];
   tipping.duration = tips.dot(tipping.moment) > 0.0 ? tipping.duration + period_ : 0.0;
@@ -142,7 +144,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   // A sole that tips over its edge tells nothing about the terrain.
   const Vec3 moment = state.sole[side].R.transpose() * force.moment;
   const Vec2 pressure = Vec2(-moment.y(), moment.x()) / force.force.z();
-  if (robot_->sole(side).margin(pressure) > kFlatMargin * height_) {
+  if (robot_->sole(side).margin(pressure) > kFlatMargin * half_width_) {
     const Vec2 inclined = beyond(turned, kTiltBand);
     offset.turn.head<2>() += carries * share_of(kFollowTilt) * (inclined - offset.turn.head<2>());
     floor_tilt_ = bounded(Vec2(floor_tilt_ + carries * share_of(kFloorRate) * (inclined - floor_tilt_)), kMaxTurn);

@@ -57,11 +57,12 @@ class Footing {
   [[nodiscard]] double trunk_drop(Side side, const Kinematics& kinematics) const;
 
   const RobotModel* robot_;
-  double period_;    ///< [1/ω]
-  double height_;    ///< nominal COM height [m]
-  double weight_;    ///< [N]
-  double ankle_kp_;  ///< kp of the stiffer ankle [weight × COM height/rad]
-  double softness_;  ///< factor on all compliance, less than 1 with stiff servos
+  double period_;      ///< [1/ω]
+  double height_;      ///< nominal COM height [m]
+  double half_width_;  ///< of a sole [m]
+  double weight_;      ///< [N]
+  double ankle_kp_;    ///< kp of the stiffer ankle [weight × COM height/rad]
+  double softness_;    ///< factor on all compliance, less than 1 with stiff servos
   GroundCompliance ground_;
   JacobianRows rows_;
   VecX shift_;    ///< latest change of the joint angles (n) [rad]

@@ -9,23 +9,34 @@ namespace {
 constexpr double kIntegralTime = 3.0;  ///< integral time of the servo's torque [1/ω]
 constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak [1/ω]
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
-constexpr double kAttitude = 2.0;      ///< moment by the trunk's attitude error [weight × COM height per rad]
-constexpr double kTrunkRate = 1.0;     ///< moment by its rate error [weight × COM height per ω]
+constexpr double kAttitude = 0.5;      ///< moment by the trunk's attitude error [weight × COM height per rad]
+constexpr double kTrunkRate = 0.4;     ///< moment by its rate error [weight × COM height per ω]
 constexpr double kOffsetFirst = 1.2;   ///< low-pass of the COM offset at first [1/ω]
 constexpr double kOffsetTime = 12.0;   ///< the same at last
 constexpr double kSettling = 3.0;      ///< longest wait for the COM offset, after a start [1/ω]
-constexpr double kSettled = 0.03;      ///< distance of the ZMP from its average below which it has settled [COM height]
+constexpr double kSettled =
+    0.22;  ///< distance of the ZMP from its average below which it has settled [half-width of a sole]
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
-constexpr double kOffsetBand = 0.01;   ///< dead band of the COM offset [COM height]
+constexpr double kOffsetBand = 0.072;  ///< dead band of the COM offset [half-width of a sole]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
 
 }  // namespace
 
 Stabiliser::Stabiliser(const RobotModel& robot)
-    : robot_(&robot), kinematics_(robot), footing_(robot), distribution_(robot), averaged_(kOffsetFirst) {
+    : robot_(&robot),
+      kinematics_(robot),
+      footing_(robot),
+      distribution_(robot),
+      friction_(robot),
+      averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  commanded_ = integral_torque_ = unloaded_ = zero;
+  commanded_ = servo_error_ = integral_torque_ = unloaded_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
+  acceleration_ = inertial_ = VecX::Zero(robot.nv());
+  for (int j = 0; j < robot.nv() - 6; ++j) {
+    const auto moves = [&](Side side) { return std::ranges::count(robot.leg(side), j) > 0; };
+    if (!moves(Side::left) && !moves(Side::right)) upper_.push_back(j);
+  }
 }
 
 const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSample& next, const State& state) {
@@ -35,7 +46,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   const bool begins = std::exchange(first_, false);
   if (!begins) {
     footing_.follow(now, next, state, wanted_);
-    update_integral(state);
+    update_joints(now, state);
     compare_zmp(now, state);
   }
   kinematics_.set(next.q);
@@ -58,13 +69,15 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   // The trunk's attitude, by a moment, with the room that is left for the ZMP.
   correction_.zmp = next.zmp_region->nearest(balanced + Vec2(-moment.y(), moment.x()) / vertical);
   const Vec2 turn = correction_.zmp - balanced;
-  total.moment += Vec3(turn.x(), turn.y(), 0).cross(Vec3(0, 0, vertical));
+  const Vec3 turning = Vec3(turn.x(), turn.y(), 0).cross(Vec3(0, 0, vertical));
+  total.moment += turning;
 
   const int n = robot_->nv() - 6;
   for (int j = 0; j < n; ++j) {
     const double damping = robot_->joints()[static_cast<std::size_t>(j)].motor.damping;
-    unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + integral_torque_[j];
+    unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + learned_torque(j, next.dq[6 + j]);
   }
+  carry_upper_body(next, force, turning);
   const BySide<Wrench> shared = distribution_.share(kinematics_, next.sole, next.contact, total, unloaded_);
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
@@ -76,6 +89,25 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   footing_.apply(kinematics_, next.q, commanded_);
   target_.q_correction = commanded_ - target_.q;
   return target_;
+}
+
+void Stabiliser::carry_upper_body(const MotionSample& next, const Vec3& force, const Vec3& moment) {
+  if (force.isZero(0.0) && moment.isZero(0.0)) return;
+  // As if it turned and moved as one with the body.
+  const Vec3 turn = kinematics_.inertia().ldlt().solve(moment);
+  const Vec3 push = force / robot_->mass() - turn.cross(kinematics_.com() - kinematics_.body(1).p);
+  acceleration_ = next.ddq;
+  acceleration_.head<3>() += push;
+  acceleration_.segment<3>(3) += kinematics_.body(1).R.transpose() * turn;
+  kinematics_.inverse_dynamics(next.q, next.dq, acceleration_, inertial_);
+  for (const int j : upper_)
+    unloaded_[j] += inertial_[6 + j] - next.force[6 + j];
+}
+
+double Stabiliser::learned_torque(int joint, double planned_speed) const {
+  const double share = 1.0 - robot_->profile().margin.torque;
+  const double most = share * robot_->joints()[static_cast<std::size_t>(joint)].motor.stall;
+  return std::clamp(integral_torque_[joint] + friction_.torque(joint, planned_speed), -most, most);
 }
 
 Vec2 Stabiliser::attitude_moment(const Mat3& trunk, const State& state) const {
@@ -101,34 +133,38 @@ void Stabiliser::compare_zmp(const MotionSample& now, const State& state) {
 
 void Stabiliser::update_com_offset(const MotionSample& now, const Vec2& measured) {
   const double height = robot_->profile().stance.com_height;
+  const double sole = robot_->sole_half_width();
   const double period = robot_->omega() * robot_->profile().tick.period;  // [1/ω]
   const double follows = period / averaged_;
   averaged_ = std::min(averaged_ + period, kOffsetTime);
   const Eigen::Rotation2Dd heading(mean_yaw(now.sole));
   const Vec2 off = heading.inverse() * (measured - now.zmp);
-  correction_.settling = averaged_ < kOffsetFirst + kSettling && (off - steady_zmp_).norm() > kSettled * height;
+  correction_.settling = averaged_ < kOffsetFirst + kSettling && (off - steady_zmp_).norm() > kSettled * sole;
   steady_zmp_ = bounded(Vec2(steady_zmp_ + follows * (off - steady_zmp_)), kMostOffset * height);
-  correction_.com_offset = heading * beyond(steady_zmp_, kOffsetBand * height);
+  correction_.com_offset = heading * beyond(steady_zmp_, kOffsetBand * sole);
 }
 
 void Stabiliser::reset() {
   correction_ = {};
   footing_ = Footing(*robot_);
   integral_torque_.setZero();
+  friction_ = JointFriction(*robot_);
   first_ = true;
   steady_zmp_.setZero();
   averaged_ = kOffsetFirst;
 }
 
-void Stabiliser::update_integral(const State& state) {
+void Stabiliser::update_joints(const MotionSample& now, const State& state) {
   const double period = robot_->omega() * robot_->profile().tick.period;  // [1/ω]
   const double share = 1.0 - robot_->profile().margin.torque;  // of the stall torque, left over by verified motions
   const int n = robot_->nv() - 6;
+  servo_error_ = commanded_ - state.q.tail(n);
+  friction_.update(now.dq.tail(n), servo_error_);
   for (int j = 0; j < n; ++j) {
     const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
-    const double error = commanded_[j] - state.q[7 + j];
     const double most = share * joint.motor.stall;
-    integral_torque_[j] += period * (joint.gains.kp * error / kIntegralTime - integral_torque_[j] / kLeakTime);
+    integral_torque_[j] +=
+        period * (joint.gains.kp * servo_error_[j] / kIntegralTime - integral_torque_[j] / kLeakTime);
     integral_torque_[j] = std::clamp(integral_torque_[j], -most, most);
   }
 }

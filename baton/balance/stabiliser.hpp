@@ -3,6 +3,7 @@
 #pragma once
 
 #include "baton/balance/footing.hpp"
+#include "baton/balance/joint_friction.hpp"
 #include "baton/balance/wrench_distribution.hpp"
 
 namespace baton {
@@ -45,8 +46,14 @@ class Stabiliser {
   /// Horizontal moment that turns the trunk to its planned attitude and rate [N·m].
   /// @param trunk planned attitude, one tick after `trunk_`
   [[nodiscard]] Vec2 attitude_moment(const Mat3& trunk, const State& state) const;
-  /// Updates the integral action of the joints.
-  void update_integral(const State& state);
+  /// Adds to `unloaded_` what makes waist, neck and arms follow when the wrench from the ground accelerates the body:
+  /// the legs act on the first body alone.
+  /// @param force, moment correction of that wrench, moment about the COM [N, N·m]
+  void carry_upper_body(const MotionSample& next, const Vec3& force, const Vec3& moment);
+  /// Updates friction and integral action of the joints.
+  void update_joints(const MotionSample& now, const State& state);
+  /// Torque of integral action and friction, at most what verified motions leave of the stall torque [N·m].
+  [[nodiscard]] double learned_torque(int joint, double planned_speed) const;
 
   const RobotModel* robot_;
   Kinematics kinematics_;
@@ -55,8 +62,13 @@ class Stabiliser {
   VecX commanded_;                 ///< latest commanded joint angles, including footing (n) [rad]
   Mat3 trunk_ = Mat3::Identity();  ///< its planned attitude at the time of the measurement
   VecX unloaded_;                  ///< joint torques without contact (n) [N·m]
+  VecX servo_error_;               ///< commanded − measured joint angles (n) [rad]
   VecX integral_torque_;           ///< torque of the integral action (n) [N·m]
-  BySide<Wrench> wanted_;  ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre
+  JointFriction friction_;
+  std::vector<int> upper_;  ///< joints of neither leg
+  VecX acceleration_;       ///< of the corrected motion (nv)
+  VecX inertial_;           ///< generalised forces of the corrected motion (nv)
+  BySide<Wrench> wanted_;   ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre
   bool first_ = true;
   JointTarget target_;
   Correction correction_;

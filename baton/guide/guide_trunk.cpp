@@ -11,6 +11,7 @@ namespace {
 constexpr double kLeastProgress = 0.01;  ///< share of the requested displacement below which a goal is no progress
 constexpr double kRounding = 1e-6;       ///< displacements below this are rounding errors [m, rad]
 constexpr double kMostLeft = 2.0;        ///< displacement that a step may leave for the next ones [same_place]
+constexpr double kInside = 0.096;        ///< of the COM at rest on both feet, inside the support polygon [COM height]
 constexpr double kWidthStep = 3.0;       ///< largest change of the feet's lateral distance by a step [same_place]
 
 static_assert(0.5 * kWidthStep < kMostLeft, "half of a change of the distance moves the middle of the feet");
@@ -63,7 +64,13 @@ GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) co
       support_polygon(*robot_, from.sole, from.contact, goal.com, support_plane(from.sole, from.contact));
   const Vec2 target = goal.com.head<2>() + context.com_offset;
   const bool turn = goal.guided == Part::trunk && std::abs(wrap_angle(yaw - from.heading())) > profile.region.trunk_yaw;
-  const bool stands = support.margin(target) >= profile.margin.stand_on;
+  // What the robot must withstand grows with its height, and on both feet even narrow soles leave that room. The way
+  // inwards is open from anywhere.
+  const double inside = support.margin(target);
+  const bool both = from.contact.left && from.contact.right;
+  const double now = support.margin(from.com.head<2>() + context.com_offset);
+  const double enough = both ? std::min(kInside * profile.stance.com_height, now) : 0.0;
+  const bool stands = inside >= std::max(profile.margin.stand_on, enough);
   std::vector<Goal> goals;
   const bool stays = stands && !turn && !context.step;
   const bool walks = context.stick_held && goal.guided == Part::trunk;

@@ -253,6 +253,12 @@ SoleShape sole_shape(const mjModel& m, int body, const Pose& frame) {
   return sole;
 }
 
+double half_width(const ConvexPolygon& outline) {
+  const auto across = [](const Vec2& p) { return p.y(); };
+  const auto [lo, hi] = std::ranges::minmax_element(outline.vertices(), {}, across);
+  return 0.5 * (hi->y() - lo->y());
+}
+
 Anatomy find_parts(const mjModel& model) {
   const Tree tree(model);
   const std::vector<Vec3> at = origins(model);

@@ -30,6 +30,9 @@ struct SoleShape {
 /// @return an empty outline if there is no collider
 [[nodiscard]] SoleShape sole_shape(const mjModel& model, int body, const Pose& frame);
 
+/// Half of what a sole's outline measures across, along y [m].
+[[nodiscard]] double half_width(const ConvexPolygon& outline);
+
 /// A robot's parts: indices of bodies. −1: not found.
 struct Anatomy {
   BySide<int> foot{-1, -1};

@@ -628,19 +628,7 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
        fmt::format("{} of {:.3f} m, that of straight legs", kStraight, straight));
   const double h = fill.number("stance.com_height", straight);
   const double omega = std::sqrt(kGravity / h);
-  const double w = [&] {
-    double half = std::numeric_limits<double>::infinity();
-    for (const Side side : kSides) {
-      double lo = 0.0;
-      double hi = 0.0;
-      for (const Vec2& vertex : sole[side].outline.vertices()) {
-        lo = std::min(lo, vertex.y());
-        hi = std::max(hi, vertex.y());
-      }
-      half = std::min(half, 0.5 * (hi - lo));
-    }
-    return half;
-  }();
+  const double w = std::min(half_width(sole.left.outline), half_width(sole.right.outline));
   const double apart = std::abs(sole_at(Side::left).y() - sole_at(Side::right).y());
   fill("stance.width", to_digits(std::max(apart, 2.0 * w + 0.03 * h)), "the soles' distance at q = 0");
   const double width = fill.number("stance.width", apart);

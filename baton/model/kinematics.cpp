@@ -76,6 +76,20 @@ Vec3 Kinematics::com() const {
   return subtree_[1] / robot_->mass();
 }
 
+Mat3 Kinematics::inertia() const {
+  const mjModel& m = robot_->mj();
+  const Vec3 centre = com();
+  Mat3 sum = Mat3::Zero();
+  for (int b = 1; b < m.nbody; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    const Vec3 at = link_[i] * vec3(m.body_ipos + 3 * b) - centre;
+    const Mat3 axes = link_[i].R * inertia_axes_[i];
+    sum += axes * vec3(m.body_inertia + 3 * b).asDiagonal() * axes.transpose();
+    sum += m.body_mass[b] * (at.squaredNorm() * Mat3::Identity() - at * at.transpose());
+  }
+  return sum;
+}
+
 void Kinematics::com_jacobian(Eigen::Ref<JacobianRows> rows) const {
   sum_subtrees();
   const mjModel& m = robot_->mj();

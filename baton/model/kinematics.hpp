@@ -34,6 +34,9 @@ class Kinematics {
   /// Axis of a rotational degree of freedom, dof ≥ 3; the first three translate the root.
   [[nodiscard]] const Axis& dof_axis(int dof) const { return axis_[static_cast<std::size_t>(dof)]; }
 
+  /// Inertia of the whole robot about its COM, in the axes of the world [kg·m²].
+  [[nodiscard]] Mat3 inertia() const;
+
   /// Jacobian of the COM, written to `rows` (3 × nv; docs/theory.md §5).
   void com_jacobian(Eigen::Ref<JacobianRows> rows) const;
   /// Jacobian of a point [m, world] fixed to a body (3 × nv).

@@ -60,6 +60,7 @@ RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
     shoulder_body_[side] = find_id(m, mjOBJ_BODY, profile_.parts.shoulder[i], owner);
     read_sole(side);
   }
+  sole_half_width_ = std::min(half_width(sole_.left), half_width(sole_.right));
   for (const Side side : kSides) {
     const auto i = static_cast<std::size_t>(side);
     leg_[side] = joints_of_one(foot_[side].body, foot_[other(side)].body);

@@ -71,6 +71,8 @@ class RobotModel {
   [[nodiscard]] const Pose& hand_in_body(Side side) const { return hand_[side].frame; }
   /// Outline of the sole in the sole frame [m].
   [[nodiscard]] const ConvexPolygon& sole(Side side) const { return sole_[side]; }
+  /// Half of the narrower sole's width: what errors of ZMP and DCM are compared with [m].
+  [[nodiscard]] double sole_half_width() const { return sole_half_width_; }
   /// The part of it where the whole weight can be without too much torque at the leg's last two joints, the ankle: for
   /// each of them |u · ((p − a) × m g e_z)| ≤ 0.85 × the torque that the profile allows, with axis u and anchor a [m].
   [[nodiscard]] const ConvexPolygon& support(Side side) const { return support_[side]; }
@@ -113,6 +115,7 @@ class RobotModel {
   BySide<Frame> hand_;
   BySide<int> shoulder_body_;
   BySide<ConvexPolygon> sole_;
+  double sole_half_width_ = 0.0;
   BySide<ConvexPolygon> support_;
   BySide<std::vector<int>> sole_geoms_;
   BySide<std::vector<int>> arm_;

@@ -183,6 +183,66 @@ TEST_P(StabiliserTest, AnErrorOfTheDcmMovesTheZmpOutwardAndKeepsItInside) {
   EXPECT_GT(clamped, 200);
 }
 
+// What the ground gives in addition accelerates the whole robot; whatever does not hang from a leg needs its part of
+// that through its own joint. By Newton and Euler, link by link.
+TEST_P(StabiliserTest, TheUpperBodyIsCarriedAlongWithACorrection) {
+  Stabiliser stabiliser(robot_);
+  const mjModel& m = robot_.mj();
+  const double unit = robot_.mass() * kGravity * robot_.profile().stance.com_height;
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  double largest = 0.0;
+  for (const TwoTicks& moment : moments()) {
+    const MotionSample& next = moment.next;
+    State state = as_planned(moment.now);
+    // The first tick is without feedback; what is learned from it is in both.
+    stabiliser.reset();
+    (void)stabiliser.target(moment.now, next, state);
+    const VecX without = stabiliser.target(moment.now, next, state).tau;
+    stabiliser.reset();
+    (void)stabiliser.target(moment.now, next, state);
+    state.com += 0.02 * robot_.profile().stance.com_height * Vec3(uniform(random), uniform(random), 0.0);
+    state.trunk = rotation_exp(0.02 * Vec3(uniform(random), uniform(random), 0.0)) * state.trunk;
+    const VecX with = stabiliser.target(moment.now, next, state).tau;
+    const Wrench read = wrench_of(next, with);
+    kinematics_.set(next.q);
+    const Wrench planned = ground_wrench(kinematics_, next.force);
+    const Vec3 com = kinematics_.com();
+    const Vec3 force = read.force - planned.force;
+    const Vec3 turning = read.moment - planned.moment - com.cross(force);
+    const Vec3 push = force / robot_.mass();
+    const Vec3 turn = kinematics_.inertia().inverse() * turning;
+    // Only where the ground can give all of it: else the correction itself is changed.
+    const Vec2 shift = stabiliser.correction().zmp - next.zmp;
+    if ((read.zmp(next.zmp_height) - next.zmp - shift).norm() > 1e-6) continue;
+    for (const Side side : kSides) {
+      const int hand = robot_.hand_body(side);
+      const int last = robot_.arm(side).back();  // it moves the hand, with all that is on it
+      const Kinematics::Axis& axis = kinematics_.dof_axis(6 + last);
+      double expected = 0.0;
+      for (int b = 1; b < m.nbody; ++b) {
+        const auto moved = [&](int body) {
+          const auto& dofs = robot_.dofs_to(body);
+          return std::ranges::count(dofs, 6 + last) > 0;
+        };
+        if (!moved(b)) continue;
+        const Pose& link = kinematics_.body(b);
+        const Vec3 at = link * Vec3(Eigen::Map<const Vec3>(m.body_ipos + 3 * b));
+        const double* w = m.body_iquat + 4 * b;
+        const Mat3 axes = link.R * Eigen::Quaterniond(w[0], w[1], w[2], w[3]).toRotationMatrix();
+        const Vec3 inertial = m.body_mass[b] * (push + turn.cross(at - com));
+        const Mat3 inertia =
+            axes * Vec3(Eigen::Map<const Vec3>(m.body_inertia + 3 * b)).asDiagonal() * axes.transpose();
+        expected += axis.direction.dot((at - axis.point).cross(inertial) + inertia * turn);
+      }
+      EXPECT_TRUE(std::ranges::count(robot_.dofs_to(hand), 6 + last) > 0);
+      EXPECT_NEAR(with[last] - without[last], expected, 1e-6 * unit);
+      largest = std::max(largest, std::abs(expected) / unit);
+    }
+  }
+  EXPECT_GT(largest, 1e-5);
+}
+
 TEST_P(StabiliserTest, AnErrorOfTheDcmIsAForceAtTheComNotAMomentAboutIt) {
   Stabiliser stabiliser(robot_);
   const double weight = robot_.mass() * kGravity;
