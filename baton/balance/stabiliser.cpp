@@ -14,8 +14,7 @@ constexpr double kTrunkRate = 0.4;     ///< moment by its rate error [weight × 
 constexpr double kOffsetFirst = 1.2;   ///< low-pass of the COM offset at first [1/ω]
 constexpr double kOffsetTime = 12.0;   ///< the same at last
 constexpr double kSettling = 3.0;      ///< longest wait for the COM offset, after a start [1/ω]
-constexpr double kSettled =
-    0.22;  ///< distance of the ZMP from its average below which it has settled [half-width of a sole]
+constexpr double kSettled = 0.22;      ///< distance of the ZMP from its average, if settled [half-width of a sole]
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
 constexpr double kOffsetBand = 0.072;  ///< dead band of the COM offset [half-width of a sole]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
@@ -34,7 +33,7 @@ Stabiliser::Stabiliser(const RobotModel& robot)
   target_ = {zero, zero, zero, zero, {}, zero};
   acceleration_ = inertial_ = VecX::Zero(robot.nv());
   for (int j = 0; j < robot.nv() - 6; ++j) {
-    const auto moves = [&](Side side) { return std::ranges::count(robot.leg(side), j) > 0; };
+    const auto moves = [&](Side side) { return std::ranges::count(robot.dofs_to(robot.foot_body(side)), 6 + j) > 0; };
     if (!moves(Side::left) && !moves(Side::right)) upper_.push_back(j);
   }
 }

@@ -65,7 +65,7 @@ class Stabiliser {
   VecX servo_error_;               ///< commanded − measured joint angles (n) [rad]
   VecX integral_torque_;           ///< torque of the integral action (n) [N·m]
   JointFriction friction_;
-  std::vector<int> upper_;  ///< joints of neither leg
+  std::vector<int> upper_;  ///< joints that move neither foot
   VecX acceleration_;       ///< of the corrected motion (nv)
   VecX inertial_;           ///< generalised forces of the corrected motion (nv)
   BySide<Wrench> wanted_;   ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre
