@@ -103,9 +103,13 @@ void Stabiliser::carry_upper_body(const MotionSample& next, const Vec3& force, c
     unloaded_[j] += inertial_[6 + j] - next.force[6 + j];
 }
 
-double Stabiliser::learned_torque(int joint, double planned_speed) const {
+double Stabiliser::spare_torque(int joint) const {
   const double share = 1.0 - robot_->profile().margin.torque;
-  const double most = share * robot_->joints()[static_cast<std::size_t>(joint)].motor.stall;
+  return share * robot_->joints()[static_cast<std::size_t>(joint)].motor.stall;
+}
+
+double Stabiliser::learned_torque(int joint, double planned_speed) const {
+  const double most = spare_torque(joint);
   return std::clamp(integral_torque_[joint] + friction_.torque(joint, planned_speed), -most, most);
 }
 
@@ -155,13 +159,12 @@ void Stabiliser::reset() {
 
 void Stabiliser::update_joints(const MotionSample& now, const State& state) {
   const double period = robot_->omega() * robot_->profile().tick.period;  // [1/ω]
-  const double share = 1.0 - robot_->profile().margin.torque;  // of the stall torque, left over by verified motions
   const int n = robot_->nv() - 6;
   servo_error_ = commanded_ - state.q.tail(n);
   friction_.update(now.dq.tail(n), servo_error_);
   for (int j = 0; j < n; ++j) {
     const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
-    const double most = share * joint.motor.stall;
+    const double most = spare_torque(j);
     integral_torque_[j] +=
         period * (joint.gains.kp * servo_error_[j] / kIntegralTime - integral_torque_[j] / kLeakTime);
     integral_torque_[j] = std::clamp(integral_torque_[j], -most, most);

@@ -52,7 +52,9 @@ class Stabiliser {
   void carry_upper_body(const MotionSample& next, const Vec3& force, const Vec3& moment);
   /// Updates friction and integral action of the joints.
   void update_joints(const MotionSample& now, const State& state);
-  /// Torque of integral action and friction, at most what verified motions leave of the stall torque [N·m].
+  /// What verified motions leave of a joint's stall torque [N·m].
+  [[nodiscard]] double spare_torque(int joint) const;
+  /// Torque of integral action and friction, at most the spare torque [N·m].
   [[nodiscard]] double learned_torque(int joint, double planned_speed) const;
 
   const RobotModel* robot_;
