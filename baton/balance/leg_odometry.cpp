@@ -6,8 +6,10 @@
 namespace baton {
 namespace {
 
-constexpr double kVelocityRate = 3.3;  ///< at which the velocity follows that of the soles in contact [ω]
-constexpr double kFootholdRate = 1.6;  ///< at which the foothold of a sole with no load follows the sole [ω]
+constexpr double kVelocityRate = 3.3;      ///< at which the velocity follows that of the soles in contact [ω]
+constexpr double kFootholdRate = 1.6;      ///< at which the foothold of a sole with little load follows the sole [ω]
+constexpr double kLightHeightRate = 16.0;  ///< added for its height, with no load at all: it may not stand yet [ω]
+constexpr double kLight = 0.15;            ///< load below which some of that is added, share of the weight
 constexpr double kPivots = 0.4;  ///< load below which a tilting sole pivots about its pressure, share of the weight
 
 }  // namespace
@@ -52,10 +54,15 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
     place_ += period_ * velocity_;
   }
   for (const Side side : kSides) {
-    const double follows =
-        touch[side] ? (1.0 - share(side)) * std::min(1.0, period_ * kFootholdRate * robot_->omega()) : 1.0;
-    foothold_[side] += follows * (place_ + from_root[side] - foothold_[side]);
-    if (!touch[side]) continue;
+    const Vec3 sole = place_ + from_root[side];
+    if (!touch[side]) {
+      foothold_[side] = sole;
+      continue;
+    }
+    const double step = (1.0 - share(side)) * period_ * robot_->omega();
+    const double light = std::max(0.0, 1.0 - share(side) / kLight);
+    const Vec3 follows(kFootholdRate, kFootholdRate, kFootholdRate + light * kLightHeightRate);
+    foothold_[side] += (step * follows).cwiseMin(1.0).cwiseProduct(sole - foothold_[side]);
     if (!touched_before_[side]) walked_ += (foothold_[side] - footfall_[side]).head<2>().norm();
     footfall_[side] = foothold_[side];
   }

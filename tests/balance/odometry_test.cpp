@@ -267,6 +267,29 @@ TEST_P(OdometryTest, AFootThatTouchesNothingIsNotBelieved) {
   }
 }
 
+TEST_P(OdometryTest, AFootThatSeemsToLandEarlyLandsWhereItDoes) {
+  // As loads that are estimated from motor torques tell, of a foot that is being put down.
+  Odometry odometry(robot_, world_, StateSource::sensors, home_);
+  Odometry exact(robot_, world_, StateSource::sensors, home_);
+  const std::vector<Moment>& run = wandering();
+  constexpr std::size_t kEarly = 8;  // ticks
+  double worst = 0.0;
+  long early = 0;
+  for (std::size_t i = 0; i + kEarly < run.size(); ++i) {
+    Measurement measured = run[i].measured;
+    for (const Side side : kSides) {
+      if (run[i].planned.contact[side] || !run[i + kEarly].planned.contact[side]) continue;
+      measured.sole[side].force.z() = random_(0.06, 0.12) * weight_;
+      ++early;
+    }
+    const Vec3 place = feed(odometry, measured, run[i].planned).root->pose.p;
+    const Vec3 should = feed(exact, run[i].measured, run[i].planned).root->pose.p;
+    worst = std::max(worst, std::abs((place - should).z()));
+  }
+  EXPECT_GT(early, 8);
+  EXPECT_LT(worst, 5e-3 * size_);
+}
+
 TEST_P(OdometryTest, HeightsAreSlowlyPulledToTheGround) {
   const MotionSample held = resting(robot_, home_);
   const Measurement still = IdealRobot(robot_, home_, period_).read();
