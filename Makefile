@@ -11,7 +11,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PAGE := $(if $(wildcard web/package.json),web/dist/index.html)
 PAGE_SOURCES := $(if $(PAGE),$(shell find web \( -name node_modules -o -name dist \) -prune -o -type f -print))
 has_script = $(shell grep -s '"$(1)" *:' web/package.json)
-PYTHON_TESTS := $(shell find tests -name 'test_*.py' 2>/dev/null)
+PYTHON_TESTS := $(shell find tests/python -name 'test_*.py' 2>/dev/null)
 
 # CMake remembers absolute paths: after this checkout was moved or copied, a build folder would go on building the
 # sources at the old place. `moved` is not empty for such a folder; `forget` removes it.
@@ -21,7 +21,7 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-fast test-cpp test-page test-python sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint robots setup setup-test setup-dev clean anew
+.PHONY: help run build page test test-fast test-cpp test-page test-python test-wheel wheel sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint robots setup setup-wheel setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -35,7 +35,7 @@ build: $(BUILD)/build.ninja $(PAGE) ## build everything: library, program, tests
 
 page: $(PAGE) ## build the page only
 
-test: setup-test build test-cpp test-page test-python ## build and run every test
+test: setup-test build test-cpp test-page test-python test-wheel ## build and run every test
 
 test-fast: setup-test $(BUILD)/build.ninja ## run the C++ tests that take less than a minute together
 	@cmake --build $(BUILD) --target baton_tests
@@ -54,8 +54,14 @@ endif
 
 test-python:
 ifneq ($(PYTHON_TESTS),)
-	.venv/bin/pytest -q tests
+	.venv/bin/pytest -q tests/python
 endif
+
+# In an environment that has the package as its users get it, with the pinned versions of what it needs.
+test-wheel: wheel
+	.venv/bin/python -m venv --clear build/wheel-env
+	build/wheel-env/bin/pip install -q --disable-pip-version-check -c scripts/requirements.txt dist/baton-*.whl pytest
+	build/wheel-env/bin/pytest -q -p no:cacheprovider tests/wheel
 
 sanitize: setup-test ## build with the sanitizers and run the C++ tests
 	$(call forget,build/sanitize)
@@ -102,11 +108,23 @@ format: setup-dev ## format all C++ sources
 lint: setup-dev $(BUILD)/build.ninja ## check the format, and run clang-tidy on what changed (ARGS=--all: on everything)
 	scripts/lint $(ARGS)
 
+# The libraries of Debian that the module is linked with go into the wheel; MuJoCo and eiquadprog have wheels of their own.
+wheel: setup-wheel ## build the Python package: dist/baton-….whl
+	$(call forget,build/wheel)
+	@mkdir -p build/wheels dist
+	@rm -f build/wheels/baton-*.whl dist/baton-*.whl
+	.venv/bin/pip wheel . --no-build-isolation --no-deps --disable-pip-version-check -q -w build/wheels
+	.venv/bin/auditwheel repair --exclude 'libmujoco.so.*' --exclude libeiquadprog.so -w dist build/wheels/baton-*.whl
+	@ls dist/baton-*.whl
+
 robots: setup ## fetch the models of the robots that are shipped as profiles (NAMES="g1 t1": those alone)
 	@scripts/fetch_robots $(NAMES)
 
 setup: ## install what is missing
 	@scripts/setup
+
+setup-wheel:
+	@scripts/setup --wheel
 
 setup-test:
 	@scripts/setup --test
@@ -115,7 +133,7 @@ setup-dev:
 	@scripts/setup --dev
 
 clean: ## remove what was built (not what was installed)
-	rm -rf build web/dist
+	rm -rf build dist web/dist
 
 $(BUILD)/build.ninja: $(if $(call moved,$(BUILD)),anew) | setup
 	$(call forget,$(BUILD))

@@ -491,8 +491,8 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
   std::error_code ignored;
   if (*fs::path(model_name).begin() == "model" && !fs::exists(path, ignored)) {
     throw InputError(
-        fmt::format("profile {}: its model {} is not there: `make robots` fetches the models of the robots "
-                    "that are shipped as profiles",
+        fmt::format("profile {}: its model {} is not there: `make robots` (or `python -m baton.fetch_robots`) "
+                    "fetches the models of the robots that are shipped as profiles",
                     file, path.string()));
   }
 

@@ -15,11 +15,20 @@ namespace {
 
 constexpr double kHomeMargin = 2.0;  ///< of a joint's home to its limits [margin.joint]
 
+std::filesystem::path& installed_share() {
+  static std::filesystem::path folder = BATON_SHARE_DIR;
+  return folder;
+}
+
 }  // namespace
 
 std::filesystem::path share_dir() {
   const char* given = std::getenv("BATON_SHARE");
-  return given != nullptr ? given : BATON_SHARE_DIR;
+  return given != nullptr ? given : installed_share();
+}
+
+void use_share_dir(std::filesystem::path folder) {
+  installed_share() = std::move(folder);
 }
 
 std::filesystem::path profile_file(const std::string& name_or_file) {

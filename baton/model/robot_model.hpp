@@ -124,7 +124,9 @@ class RobotModel {
   std::vector<std::vector<int>> dofs_to_;
 };
 
-/// Folder of `robots/`, `worlds/` and the web page: $BATON_SHARE, else the one compiled in.
+/// Folder of `robots/`, `worlds/` and the web page: $BATON_SHARE, else that of `use_share_dir`, else the one compiled in.
 [[nodiscard]] std::filesystem::path share_dir();
+/// For a program that is installed where it was not compiled for. Call it before any other thread asks for the folder.
+void use_share_dir(std::filesystem::path folder);
 
 }  // namespace baton

@@ -31,6 +31,11 @@ enum class Purpose {
   cool,     ///< to a straighter posture, in which hot motors cool down
 };
 
+[[nodiscard]] constexpr std::string_view to_string(Purpose purpose) {
+  constexpr std::array<std::string_view, 7> names{"none", "follow", "retrace", "home", "stop", "capture", "cool"};
+  return names[static_cast<std::size_t>(purpose)];
+}
+
 class Navigator {
  public:
   /// Robot and world must outlive the object.

@@ -18,6 +18,11 @@ enum class Guard {
   stood_up,  ///< after a fall, on its feet and still: armed as soon as the stick is centred
 };
 
+[[nodiscard]] constexpr std::string_view to_string(Guard guard) {
+  constexpr std::array<std::string_view, 4> names{"armed", "lifted", "fallen", "stood_up"};
+  return names[static_cast<std::size_t>(guard)];
+}
+
 class Watch {
  public:
   /// Robot and world must outlive the object.

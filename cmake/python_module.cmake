@@ -1,0 +1,40 @@
+# The Python module baton._core, and all else that the wheel has: pyproject.toml installs the component "python".
+find_package(Python 3.11 REQUIRED COMPONENTS Interpreter Development.Module)
+find_package(nanobind CONFIG REQUIRED)
+
+file(GLOB module_sources CONFIGURE_DEPENDS python/src/*.cpp)
+# Scenarios, and what they need.
+list(
+  APPEND
+  module_sources
+  baton/input/json_reader.cpp
+  baton/input/script.cpp
+  baton/proving/dice.cpp
+  baton/proving/scenario.cpp
+  baton/proving/stick.cpp)
+nanobind_add_module(baton_core NB_STATIC ${module_sources})
+set_target_properties(
+  baton_core
+  PROPERTIES OUTPUT_NAME _core
+             # The wheels of MuJoCo and eiquadprog are installed beside baton.
+             INSTALL_RPATH "$ORIGIN/../mujoco;$ORIGIN/../cmeel.prefix/lib")
+target_include_directories(baton_core SYSTEM PRIVATE "${NB_DIR}/include")  # not held to our warnings
+target_link_libraries(baton_core PRIVATE baton baton_planning_thread nlohmann_json::nlohmann_json baton_options)
+nanobind_add_stub(
+  baton_stub
+  MODULE
+  _core
+  OUTPUT
+  "${CMAKE_BINARY_DIR}/_core.pyi"
+  PYTHON_PATH
+  $<TARGET_FILE_DIR:baton_core>
+  DEPENDS
+  baton_core)
+
+install(TARGETS baton_core DESTINATION baton COMPONENT python)
+install(FILES "${CMAKE_BINARY_DIR}/_core.pyi" DESTINATION baton COMPONENT python)
+install(
+  DIRECTORY robots worlds
+  DESTINATION baton/share
+  COMPONENT python
+  PATTERN model EXCLUDE)
