@@ -499,7 +499,7 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
   ModelChanges changes;
   changes.rigid = texts(out.table.get("rigid"));
   const auto compiled = [&] {
-    const SpecPtr spec = read_robot(path, changes);
+    const SpecPtr spec = read_robot(path, changes, Visuals::drop);
     spec->compiler.discardvisual = 1;
     return compile_model(*spec, owner);
   };

@@ -273,6 +273,29 @@ bool separate(mjSpec& spec, const ModelChanges& changes) {
   return changed;
 }
 
+/// Deletes geoms that touch nothing, except where they make a body's inertia, and meshes that nothing uses then.
+void drop_visuals(mjSpec& spec) {
+  std::set<std::string> paired;
+  for (mjsElement* e : all(spec, mjOBJ_PAIR)) {
+    paired.insert(mjs_getString(mjs_asPair(e)->geomname1));
+    paired.insert(mjs_getString(mjs_asPair(e)->geomname2));
+  }
+  std::set<std::string> used;
+  for (mjsElement* e : all(spec, mjOBJ_GEOM)) {
+    const mjsGeom& geom = *mjs_asGeom(e);
+    const bool weighs =
+        mjs_getCompiler(e)->inertiafromgeom == mjINERTIAFROMGEOM_TRUE || !mjs_getParent(e)->explicitinertial;
+    if (collides(geom) || weighs || paired.contains(name_of(e))) {
+      used.insert(mjs_getString(geom.meshname));
+    } else {
+      mjs_delete(&spec, e);
+    }
+  }
+  for (mjsElement* e : all(spec, mjOBJ_MESH)) {
+    if (!used.contains(name_of(e))) mjs_delete(&spec, e);
+  }
+}
+
 Eigen::Quaterniond rotation(const double* quat, const mjsOrientation& alt, mjsElement* element) {
   std::array<double, 4> q{quat[0], quat[1], quat[2], quat[3]};
   if (alt.type != mjORIENTATION_QUAT) {
@@ -311,7 +334,7 @@ bool add_sites(mjSpec& spec, mjsBody* root, const std::vector<std::string>& name
 
 }  // namespace
 
-SpecPtr read_robot(const fs::path& file, const ModelChanges& changes) {
+SpecPtr read_robot(const fs::path& file, const ModelChanges& changes, Visuals visuals) {
   const auto lock = lock_compiler();
   SpecPtr spec = is_urdf(file) ? parse_urdf(file) : parse_model(file);
   const std::string owner = fmt::format("model {}", file.string());
@@ -324,6 +347,7 @@ SpecPtr read_robot(const fs::path& file, const ModelChanges& changes) {
   changed |= separate(*spec, changes);
   changed |= add_sites(*spec, root, changes.sites, false);
   changed |= add_sites(*spec, root, changes.hands, true);
+  if (visuals == Visuals::drop) drop_visuals(*spec);
   if (!changed) return spec;
   for (const mjtObj type : {mjOBJ_KEY, mjOBJ_SENSOR, mjOBJ_TENDON}) {
     for (mjsElement* e : all(*spec, type))

@@ -30,6 +30,10 @@ struct ModelChanges {
   bool operator==(const ModelChanges&) const = default;
 };
 
+/// Whether a model has the geoms that touch nothing. Only pictures need them, and their meshes take most of the time
+/// and memory that a model takes to be read.
+enum class Visuals { keep, drop };
+
 /// Reads a model file.
 ///
 /// - Mesh and texture files get absolute names, so that the model can be combined with others.
@@ -41,8 +45,9 @@ struct ModelChanges {
 ///   states (`actuatorfrcrange`, `forcerange`, `ctrlrange` of a torque motor); without any, it has none.
 /// - If the robot's geoms could touch each other, they no longer do, except for pairs.
 ///
-/// A model that is in that form already is not changed.
+/// A model that is in that form already is not changed. Of visual geoms, those whose masses make a body's inertia stay.
 /// @throws InputError no such file, not a model, no hinges, a joint that is neither a hinge nor the free one
-[[nodiscard]] SpecPtr read_robot(const std::filesystem::path& file, const ModelChanges& changes);
+[[nodiscard]] SpecPtr read_robot(const std::filesystem::path& file, const ModelChanges& changes,
+                                 Visuals visuals = Visuals::keep);
 
 }  // namespace baton

@@ -48,13 +48,13 @@ RobotModel RobotModel::load(const std::string& name_or_file) {
   return RobotModel(Profile::load(file));
 }
 
-SpecPtr RobotModel::spec() const {
-  return read_robot(profile_.model, profile_.changes());
+SpecPtr RobotModel::spec(Visuals visuals) const {
+  return read_robot(profile_.model, profile_.changes(), visuals);
 }
 
 RobotModel::RobotModel(Profile profile) : profile_(std::move(profile)) {
   const std::string owner = fmt::format("model {}", profile_.model.string());
-  const SpecPtr text = spec();
+  const SpecPtr text = spec(Visuals::drop);
   text->compiler.discardvisual = 1;  // nothing is drawn here, and MuJoCo's kinematics places every geom
   model_ = compile_model(*text, owner);
   const mjModel& m = *model_;

@@ -89,7 +89,7 @@ class RobotModel {
   [[nodiscard]] bool hand_has_attitude(Side side) const { return arm_[side].size() >= 6; }
 
   /// The model's specification, to be combined with a world.
-  [[nodiscard]] SpecPtr spec() const;
+  [[nodiscard]] SpecPtr spec(Visuals visuals = Visuals::keep) const;
 
  private:
   struct Frame {
@@ -124,7 +124,8 @@ class RobotModel {
   std::vector<std::vector<int>> dofs_to_;
 };
 
-/// Folder of `robots/`, `worlds/` and the web page: $BATON_SHARE, else that of `use_share_dir`, else the one compiled in.
+/// Folder of `robots/`, `worlds/` and the web page: $BATON_SHARE, else that of `use_share_dir`, else the one compiled
+/// in.
 [[nodiscard]] std::filesystem::path share_dir();
 /// For a program that is installed where it was not compiled for. Call it before any other thread asks for the folder.
 void use_share_dir(std::filesystem::path folder);

@@ -175,10 +175,10 @@ Foothold World::foothold(const ConvexPolygon& outline, const Profile::Ground& fl
   return foothold;
 }
 
-std::string World::compose(const RobotModel& robot, double timestep) const {
+std::string World::compose(const RobotModel& robot, double timestep, Visuals visuals) const {
   const auto lock = lock_compiler();
   const SpecPtr world = parse_model(file_);
-  const SpecPtr body = robot.spec();
+  const SpecPtr body = robot.spec(visuals);
   // The robot's global defaults become a class, which needs a name.
   mjs_setName(mjs_getSpecDefault(body.get())->element, "robot");
   body->option = world->option;  // differing options would be a conflict; those that count are set below

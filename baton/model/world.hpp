@@ -75,7 +75,7 @@ class World {
 
   /// World and robot as one model (MJCF text), for simulation, collision checks and `--save-model`. Sets the physics
   /// options: time step [s], integrator, friction cone, no automatic reset.
-  [[nodiscard]] std::string compose(const RobotModel& robot, double timestep) const;
+  [[nodiscard]] std::string compose(const RobotModel& robot, double timestep, Visuals visuals = Visuals::keep) const;
 
  private:
   std::filesystem::path file_;

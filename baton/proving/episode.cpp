@@ -22,7 +22,7 @@ std::optional<Checker> checker_of(const Trial& trial, const RobotModel& robot, c
   if (trial.scenario != nullptr || trial.real) return std::nullopt;
   Checker::Tolerances tolerances;
   if (trial.on == Simulation::On::sim) tolerances.sink = robot.profile().ground.flatness;
-  return Checker(robot, simulation.model_text(), tolerances);
+  return Checker(robot, simulation.model_text(Visuals::drop), tolerances);
 }
 
 std::uint64_t seed_of(const Trial& trial, long index) {

@@ -23,11 +23,10 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
 SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
                                Parameters parameters)
     : robot_(&robot),
+      world_(&world),
       period_(period),
       parameters_(parameters),
       start_(start),
-      text_(with_plant(world.compose(robot, parameters.timestep), parameters.plant, robot,
-                       0.5 * (start.sole.left.p + start.sole.right.p))),
       kinematics_(robot),
       actuators_(robot, parameters.plant.actuators, period, parameters.timestep),
       sensors_(parameters.plant.sensors, robot.nv() - 6, period, robot.mass() * kGravity, parameters.plant.seed) {
@@ -37,7 +36,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
     throw InputError(fmt::format("{}: tick.period = {} is not a multiple of the physics step {}", owner, period_,
                                  parameters_.timestep));
   }
-  const SpecPtr spec = parse_text(text_, owner);
+  const SpecPtr spec = parse_text(model_text(Visuals::drop), owner);
   spec->compiler.discardvisual = 1;
   model_ = compile_model(*spec, owner);
   mjModel& m = *model_;
@@ -47,6 +46,11 @@ SimulatedRobot::SimulatedRobot(const RobotModel& robot, const World& world, cons
   mj_setConst(&m, data_.get());
   if (parameters_.nominal_com_height == 0.0) parameters_.nominal_com_height = robot.profile().stance.com_height;
   SimulatedRobot::reset();
+}
+
+std::string SimulatedRobot::model_text(Visuals visuals) const {
+  return with_plant(world_->compose(*robot_, parameters_.timestep, visuals), parameters_.plant, *robot_,
+                    0.5 * (start_.sole.left.p + start_.sole.right.p));
 }
 
 void SimulatedRobot::reset() {

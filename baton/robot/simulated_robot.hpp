@@ -20,6 +20,7 @@ class SimulatedRobot : public Robot {
     Plant plant;
   };
 
+  /// `robot` and `world` must outlive this object.
   /// @param start initial standing posture, in the world frame
   /// @throws InputError world and robot cannot be combined
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period);
@@ -31,8 +32,8 @@ class SimulatedRobot : public Robot {
   void reset() override;
   [[nodiscard]] const Truth* truth() const override { return &truth_; }
 
-  /// The simulated model as MJCF text.
-  [[nodiscard]] const std::string& model_text() const { return text_; }
+  /// The simulated model as MJCF text; what only pictures show is not simulated.
+  [[nodiscard]] std::string model_text(Visuals visuals = Visuals::keep) const;
   [[nodiscard]] const mjModel& model() const { return *model_; }
   [[nodiscard]] const mjData& data() const { return *data_; }
   /// For tests: applies an impulse to the trunk [N·s].
@@ -50,10 +51,10 @@ class SimulatedRobot : public Robot {
   void check_fall();
 
   const RobotModel* robot_;
+  const World* world_;
   double period_;
   Parameters parameters_;
   Posture start_;
-  std::string text_;
   ModelPtr model_;
   DataPtr data_;
   RobotInWorld in_world_;

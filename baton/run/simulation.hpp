@@ -32,12 +32,14 @@ class Simulation {
   [[nodiscard]] const Session& session() const { return *session_; }
   [[nodiscard]] const Truth& truth() const { return *robot_->truth(); }
   /// Robot and world as one MJCF model; on `sim` the one that is simulated.
-  [[nodiscard]] const std::string& model_text() const { return model_text_; }
+  [[nodiscard]] std::string model_text(Visuals visuals = Visuals::keep) const;
   /// Null on `ideal`.
   [[nodiscard]] SimulatedRobot* simulated() { return simulated_; }
 
  private:
-  std::string model_text_;
+  const RobotModel* model_;
+  const World* world_;
+  double timestep_;
   SimulatedRobot* simulated_ = nullptr;
   std::unique_ptr<Robot> robot_;
   std::optional<Session> session_;

@@ -11,7 +11,7 @@ namespace baton {
 
 Obstacles::Obstacles(const RobotModel& robot, const World& world) {
   const std::string owner = fmt::format("world {} with robot {}", world.name(), robot.profile().name);
-  model_ = compile_text(world.compose(robot, robot.profile().tick.period), owner);
+  model_ = compile_text(world.compose(robot, robot.profile().tick.period, Visuals::drop), owner);
   const mjModel& m = *model_;
   if (m.nq != robot.nq()) throw InputError(fmt::format("{}: something in the world has joints of its own", owner));
   data_ = DataPtr(mj_makeData(&m));

@@ -187,7 +187,7 @@ class Run : public Sink {
     const Truth* truth = session_->truth();
     return truth != nullptr ? std::optional(*truth) : std::nullopt;
   }
-  [[nodiscard]] const std::string& mjcf() const {
+  [[nodiscard]] std::string mjcf() const {
     if (!simulation_) throw InputError("mjcf: only of a robot on 'sim' or 'ideal'");
     return simulation_->model_text();
   }

@@ -296,6 +296,37 @@ TEST(RobotFile, AModelOfThatFormIsLeftAsItIs) {
   EXPECT_EQ(text_of(*read, "read"), text_of(*plain, "plain"));
 }
 
+TEST(RobotFile, WithoutVisualsItWeighsAndTouchesTheSame) {
+  const Scratch scratch;
+  const std::string tetrahedron = "vertex='0 0 0  .1 0 0  0 .1 0  0 0 .1'";
+  const std::filesystem::path file = scratch.write("drawn.xml", "<mujoco><asset><mesh name='shown' " + tetrahedron +
+                                                                    "/><mesh name='shell' " + tetrahedron +
+                                                                    "/></asset><worldbody>"
+                                                                    R"(
+    <body name='trunk'><freejoint/><inertial pos='0 0 0' mass='2' diaginertia='.1 .1 .1'/>
+      <geom name='drawn' type='mesh' mesh='shown' contype='0' conaffinity='0'/>
+      <geom name='felt' type='mesh' mesh='shell' contype='0' conaffinity='0'/>
+      <geom name='box' type='box' size='.1 .1 .1'/>
+      <body name='arm'><joint name='hinge' range='-1 1' limited='true'/>
+        <geom name='heavy' type='sphere' size='.1' contype='0' conaffinity='0'/>
+        <geom name='ball' type='sphere' size='.05'/>
+    </body></body></worldbody>
+    <contact><pair geom1='felt' geom2='ball'/></contact></mujoco>)");
+  const ModelPtr whole = compile_model(*read_robot(file, {}), "whole");
+  const ModelPtr bare = compile_model(*read_robot(file, {}, Visuals::drop), "bare");
+  EXPECT_EQ(whole->ngeom, 5);
+  EXPECT_EQ(whole->nmesh, 2);
+  EXPECT_EQ(bare->ngeom, 4);  // 'heavy' makes the arm's inertia, 'felt' is in a pair
+  EXPECT_EQ(bare->nmesh, 1);
+  EXPECT_EQ(mj_name2id(bare.get(), mjOBJ_GEOM, "drawn"), -1);
+  ASSERT_EQ(whole->nbody, bare->nbody);
+  for (int i = 0; i < 3 * bare->nbody; ++i) {
+    EXPECT_EQ(whole->body_mass[i / 3], bare->body_mass[i / 3]);
+    EXPECT_EQ(whole->body_inertia[i], bare->body_inertia[i]);
+    EXPECT_EQ(whole->body_ipos[i], bare->body_ipos[i]);
+  }
+}
+
 TEST(RobotFile, HoweverTheModelIsWrittenTheRobotIsTheSame) {
   // Position servos, a world around it, no free joint, geoms that touch each other.
   std::string text = text_of_mighty();
