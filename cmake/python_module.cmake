@@ -31,6 +31,18 @@ nanobind_add_stub(
   DEPENDS
   baton_core)
 
+# What the licences of the libraries in the wheel ask for: those that auditwheel copies into it, as Debian states them,
+# and headers that are compiled in.
+foreach(library libassimp libdraco libfmt libminizip libpugixml libtomlplusplus libeigen3-dev nlohmann-json3-dev)
+  file(GLOB copyright "/usr/share/doc/${library}*/copyright")
+  if(copyright)
+    list(GET copyright 0 copyright)
+    install(FILES "${copyright}" DESTINATION baton/licences COMPONENT python RENAME ${library}.txt)
+  endif()
+endforeach()
+file(GLOB nanobind_licence "${NB_DIR}/../nanobind-*.dist-info/licenses/LICENSE")
+install(FILES ${nanobind_licence} DESTINATION baton/licences COMPONENT python RENAME nanobind.txt)
+
 install(TARGETS baton_core DESTINATION baton COMPONENT python)
 install(FILES "${CMAKE_BINARY_DIR}/_core.pyi" DESTINATION baton COMPONENT python)
 install(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <mutex>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace baton {
 namespace {
 
 thread_local int warnings = 0;
+std::atomic<bool> warnings_are_theirs = false;
 
 void on_error(const char* message) {
   throw std::runtime_error(fmt::format("MuJoCo: {}", message));
@@ -34,8 +36,12 @@ void install_mujoco_handlers() {
   static std::once_flag once;
   std::call_once(once, [] {
     mju_user_error = on_error;
-    mju_user_warning = on_warning;
+    if (!warnings_are_theirs) mju_user_warning = on_warning;
   });
+}
+
+void leave_mujoco_warnings() {
+  warnings_are_theirs = true;
 }
 
 std::unique_lock<std::recursive_mutex> lock_compiler() {

@@ -10,6 +10,18 @@
 namespace baton {
 namespace {
 
+/// Counts a tick when it is over, by an exception too: the navigator has lived through it then.
+class CountTick {
+ public:
+  explicit CountTick(long& ticks) : ticks_(&ticks) {}
+  CountTick(const CountTick&) = delete;
+  CountTick& operator=(const CountTick&) = delete;
+  ~CountTick() { ++*ticks_; }
+
+ private:
+  long* ticks_;
+};
+
 /// @throws InputError another length
 void check_length(const char* what, Eigen::Index length, const RobotModel& model) {
   const int joints = model.nv() - 6;
@@ -50,6 +62,7 @@ void Session::step(const Command& command) {
   check_length("joint angles (q)", measurement.q.size(), *model_);
   check_length("joint speeds (dq)", measurement.dq.size(), *model_);
   if (measurement.torque.size() != 0) check_length("motor torques (torque)", measurement.torque.size(), *model_);
+  const CountTick count(ticks_);
   const double before = cpu_us();
   const JointTarget& target = navigator_->tick(measurement, command);
   const TickRecord record{t(), *navigator_, measurement, truth(), target, cpu_us() - before};
@@ -57,7 +70,6 @@ void Session::step(const Command& command) {
     sink->on_tick(record);
   robot_->write(target);
   plan();
-  ++ticks_;
 }
 
 void Session::plan() {

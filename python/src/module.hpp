@@ -57,6 +57,22 @@ template <typename Matrix>
   return matrix;
 }
 
+/// A name, or a path-like object as text.
+/// @throws InputError neither
+[[nodiscard]] inline std::string name_or_path(const char* what, nb::handle given) {
+  nb::object text;
+  try {
+    text = nb::module_::import_("os").attr("fspath")(given);
+  } catch (const nb::python_error&) {
+  }
+  if (!text.is_valid() || !nb::isinstance<nb::str>(text))
+    throw InputError(fmt::format("{} {}: must be a name or a file", what, nb::repr(given).c_str()));
+  return nb::cast<std::string>(text);
+}
+
+/// A robot, or what `Robot` is made of.
+[[nodiscard]] Robot robot_of(nb::handle given);
+
 /// Force and moment as one vector (6) [N, N·m].
 [[nodiscard]] inline Vec6 vector_of(const Wrench& wrench) {
   return (Vec6() << wrench.force, wrench.moment).finished();

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "baton/ik/stand.hpp"
 #include "baton/model/world.hpp"
 #include "baton/proving/scenario.hpp"
@@ -10,6 +12,7 @@ namespace baton::python {
 namespace {
 
 Robot load(const std::string& name_or_file, const std::optional<std::string>& drive) {
+  const nb::gil_scoped_release released;
   RobotModel model = RobotModel::load(name_or_file);
   if (drive) model = with_drive(model, drive_named(*drive, "drive"));
   return {std::make_shared<const RobotModel>(std::move(model))};
@@ -25,6 +28,11 @@ VecX gains(const Robot& robot, double Profile::Gains::*gain) {
 
 std::tuple<VecX, VecX, VecX> servo_command_of(const Robot& robot, const JointTarget& target, double to_end) {
   const Eigen::Index n = robot.model->nv() - 6;
+  if (target.q.size() != n) {
+    throw InputError(fmt::format("target: has {} joints; must have the {} of robot {}", target.q.size(), n,
+                                 robot.model->profile().name));
+  }
+  if (!std::isfinite(to_end)) throw InputError(fmt::format("to_end {}: must be finite", to_end));
   VecX q(n), dq(n), tau(n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const ServoCommand command = servo_command(*robot.model, static_cast<std::size_t>(j), target, to_end);
@@ -36,6 +44,11 @@ std::tuple<VecX, VecX, VecX> servo_command_of(const Robot& robot, const JointTar
 }
 
 }  // namespace
+
+Robot robot_of(nb::handle given) {
+  if (nb::isinstance<Robot>(given)) return nb::cast<Robot>(given);
+  return load(name_or_path("robot", given), std::nullopt);
+}
 
 void bind_robot(nb::module_& m) {
   nb::class_<Joint>(m, "Joint", "A hinge joint with its motor. rad, N·m, seconds.")
@@ -56,14 +69,17 @@ void bind_robot(nb::module_& m) {
                     "the world, then the n joint angles [rad] in the order of `joints`.")
       .def(
           "__init__",
-          [](Robot* self, const std::string& name_or_file, const std::optional<std::string>& drive) {
-            new (self) Robot(load(name_or_file, drive));
+          [](Robot* self, const nb::object& name_or_file, const std::optional<std::string>& drive) {
+            new (self) Robot(load(name_or_path("robot", name_or_file), drive));
           },
           nb::arg("robot") = "mighty", nb::kw_only(), nb::arg("drive") = nb::none(),
+          nb::sig("def __init__(self, robot: str | os.PathLike = 'mighty', *, drive: str | None = None) -> None"),
           "Load a robot.\n\n"
           "drive: kind of servos in place of the profile's: 'torque', 'pd' or 'stiff'.\n"
           "Raises InputError: it cannot be read or is not a humanoid; the message says why.")
       .def_prop_ro("name", [](const Robot& r) { return r.model->profile().name; })
+      .def_prop_ro(
+          "nq", [](const Robot& r) { return r.model->nq(); }, "Length of a configuration, 7 + n.")
       .def_prop_ro(
           "mass", [](const Robot& r) { return r.model->mass(); }, "[kg]")
       .def_prop_ro(
@@ -79,17 +95,27 @@ void bind_robot(nb::module_& m) {
           "kd", [](const Robot& r) { return gains(r, &Profile::Gains::kd); }, "Of the servos (n) [N·m·s/rad].")
       .def(
           "standing",
-          [](const Robot& r, const std::string& world) {
-            return stand(*r.model, World::load(world).site("start"), r.model->profile().stance.com_height).q;
+          [](const Robot& r, const nb::object& world) {
+            return stand(*r.model, World::load(name_or_path("world", world)).site("start"),
+                         r.model->profile().stance.com_height)
+                .q;
           },
-          nb::arg("world") = "flat", "The configuration (nq) in which a run begins in a world.")
+          nb::arg("world") = "flat",
+          nb::sig("def standing(self, world: str | os.PathLike = 'flat') -> numpy.typing.NDArray[numpy.float64]"),
+          "The configuration (nq) in which a run begins in a world.")
       .def(
           "mjcf",
-          [](const Robot& r, const std::string& world, double timestep) {
-            return World::load(world).compose(*r.model, timestep);
+          [](const Robot& r, const nb::object& world, double timestep) {
+            if (!(timestep >= 1e-5 && timestep <= 0.1))
+              throw InputError(fmt::format("timestep {}: must be 1e-5 … 0.1 s", timestep));
+            return World::load(name_or_path("world", world)).compose(*r.model, timestep);
           },
           nb::arg("world") = "flat", nb::arg("timestep") = 0.001,
-          "Robot and world as one MuJoCo model (MJCF text), with a torque motor at each joint. `timestep` in s.")
+          nb::sig("def mjcf(self, world: str | os.PathLike = 'flat', timestep: float = 0.001) -> str"),
+          "Robot and world as one MuJoCo model (MJCF text), with a torque motor of its name at each joint, and sites "
+          "for "
+          "the parts that the profile names (mighty: 'imu', 'left_sole', 'right_sole', 'left_hand', 'right_hand'). "
+          "`timestep` in s.")
       .def("servo_command", &servo_command_of, nb::arg("target"), nb::arg("to_end") = 0.0,
            "What to send to the servos for a target: angles [rad], speeds [rad/s] and feed-forward torques [N·m], (n) "
            "each.\n\n"

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 #include "baton/proving/scenario.hpp"
@@ -14,6 +16,7 @@ namespace baton::python {
 namespace {
 
 constexpr int kTicksBetweenSignals = 20;  ///< ticks after which `advance` looks whether it was interrupted
+constexpr double kLongest = 1e6;          ///< that `advance` takes at once [s]
 
 /// The value of that name.
 /// @throws InputError no such name
@@ -27,34 +30,34 @@ Value choice(const char* option, const std::string& name, const std::array<std::
   throw InputError(fmt::format("{} {:?}: must be one of {}", option, name, fmt::join(names, ", ")));
 }
 
-/// A robot that a Python object is: it has `read()` and `write(target)`, and perhaps `reset()`.
+/// A robot that a Python object is: it has `read()` and `write(target)`, and perhaps `reset()`. Made and destroyed with
+/// the GIL; its calls acquire it.
 class PythonRobot : public baton::Robot {
  public:
-  explicit PythonRobot(nb::object object) : object_(std::move(object)) {
+  /// @throws InputError the object lacks a method, or cannot give what `source` needs
+  PythonRobot(nb::object object, StateSource source) : object_(std::move(object)), source_(source) {
     for (const char* method : {"read", "write"}) {
       if (!nb::hasattr(object_, method)) {
         throw InputError(
-            fmt::format("on: {} has no method {}; must be 'sim', 'ideal' or an object with read() and "
+            fmt::format("on {}: has no method {}; must be 'sim', 'ideal' or an object with read() and "
                         "write(target)",
                         nb::repr(object_).c_str(), method));
       }
     }
+    if (source == StateSource::perfect)
+      throw InputError("state \"perfect\": must be sensors or torques, as a robot of yours has no truth");
   }
-  ~PythonRobot() override {
-    const nb::gil_scoped_acquire gil;
-    object_.reset();
-  }
-  PythonRobot(const PythonRobot&) = delete;
-  PythonRobot& operator=(const PythonRobot&) = delete;
 
   Measurement read() override {
     const nb::gil_scoped_acquire gil;
     const nb::object answer = object_.attr("read")();
-    Measurement measurement;
-    if (!nb::try_cast(answer, measurement)) {
+    if (!nb::isinstance<Measurement>(answer)) {
       throw InputError(fmt::format("read() of {} gave {}; must give a baton.Measurement", nb::repr(object_).c_str(),
                                    nb::repr(answer).c_str()));
     }
+    auto measurement = nb::cast<Measurement>(answer);
+    if (first_) check_complete(measurement);
+    first_ = false;
     return measurement;
   }
   void write(const JointTarget& target) override {
@@ -65,21 +68,59 @@ class PythonRobot : public baton::Robot {
     const nb::gil_scoped_acquire gil;
     if (!nb::hasattr(object_, "reset")) throw InputError("this robot has no method reset()");
     object_.attr("reset")();
+    first_ = true;
   }
 
+  [[nodiscard]] PyObject* object() const { return object_.ptr(); }
+  void forget() { object_ = nb::none(); }
+
  private:
+  /// @throws InputError what tells the loads is missing: the robot would seem to hang in the air
+  void check_complete(const Measurement& measurement) const {
+    if (source_ == StateSource::torques && measurement.torque.size() == 0)
+      throw InputError("state \"torques\": the measurement has no motor torques (torque)");
+    if (source_ == StateSource::sensors && measurement.sole.left == Wrench{} && measurement.sole.right == Wrench{}) {
+      throw InputError(
+          "state \"sensors\": the measurement has no forces under the soles (left_sole, right_sole); without such "
+          "sensors, state must be torques");
+    }
+  }
+
   nb::object object_;
+  StateSource source_;
+  bool first_ = true;
 };
 
 struct Options {
-  std::string plant, state, gait, duration, on_limit;
-  std::optional<std::string> scenario;
+  std::string state, gait, duration, on_limit;
+  std::optional<std::string> plant, scenario;
   double times = 1.0;
   std::uint64_t seed = 0;
   bool live = false;
 };
 
-/// A robot that is guided, in a world.
+/// The scenario of that name; null without one.
+/// @throws InputError no such scenario, or `times` does not go with it
+const Scenario* scenario_in(const Options& o) {
+  if (!(std::isfinite(o.times) && o.times > 0.0))
+    throw InputError(fmt::format("times {}: must be above 0, and finite", o.times));
+  if (!o.scenario) {
+    if (o.times != 1.0) throw InputError(fmt::format("times {}: needs a scenario", o.times));
+    return nullptr;
+  }
+  const auto found = std::ranges::find(scenarios(), *o.scenario, &Scenario::name);
+  if (found == scenarios().end()) {
+    std::vector<std::string_view> names;
+    for (const Scenario& scenario : scenarios())
+      names.push_back(scenario.name);
+    throw InputError(fmt::format("scenario {:?}: must be one of {}", *o.scenario, fmt::join(names, ", ")));
+  }
+  if (found->deviate == nullptr && o.times != 1.0)
+    throw InputError(fmt::format("times {}: the scenario {} has no size that could be scaled", o.times, found->name));
+  return &*found;
+}
+
+/// A robot that is guided, in a world. All is called with the GIL, and by one thread at a time, which is checked.
 class Run : public Sink {
  public:
   Run(const Robot& robot, const std::string& world, const nb::object& on, const Options& o)
@@ -94,11 +135,21 @@ class Run : public Sink {
         choice("state", o.state,
                std::array{std::pair("sensors", StateSource::sensors), std::pair("torques", StateSource::torques),
                           std::pair("perfect", StateSource::perfect)});
-    std::string name;
-    const bool named = nb::try_cast(on, name);
-    const Scenario* scenario = o.scenario ? &scenario_named(*o.scenario) : nullptr;
-    if (scenario != nullptr && (!named || name != "sim"))
-      throw InputError("scenario: must be on='sim', it needs physics");
+    const bool real =
+        choice("plant", o.plant.value_or("real"), std::array{std::pair("real", true), std::pair("model", false)});
+    const Scenario* scenario = scenario_in(o);
+    std::optional<Simulation::On> where;
+    if (nb::isinstance<nb::str>(on)) {
+      where = choice("on", nb::cast<std::string>(on),
+                     std::array{std::pair("sim", Simulation::On::sim), std::pair("ideal", Simulation::On::ideal)});
+    } else {
+      theirs_ = std::make_unique<PythonRobot>(on, source);
+    }
+    if (where != Simulation::On::sim && (scenario != nullptr || o.plant)) {
+      throw InputError(
+          fmt::format("{}: must be on='sim', it needs physics", scenario != nullptr ? "scenario" : "plant"));
+    }
+    const nb::gil_scoped_release released;
     if (scenario != nullptr) {
       const Drive drive = drive_of(*scenario, *robot_.model);
       if (drive != robot_.model->profile().drive)
@@ -107,20 +158,16 @@ class Run : public Sink {
     const RobotModel& model = *robot_.model;
     if (o.live) planning_ = std::make_unique<PlanningThread>(model, world_, modes);
     const Session::Parameters session{modes, source, planning_.get()};
-    if (named) {
-      const bool real = choice("plant", o.plant, std::array{std::pair("real", true), std::pair("model", false)});
+    if (where) {
       Simulation::Parameters parameters{.session = session};
-      const Simulation::On where = choice(
-          "on", name, std::array{std::pair("sim", Simulation::On::sim), std::pair("ideal", Simulation::On::ideal)});
       if (where == Simulation::On::sim) parameters.physics.plant = plant_of(real, scenario, model, o.seed, o.times);
-      simulation_ = std::make_unique<Simulation>(model, world_, where, parameters);
+      simulation_ = std::make_unique<Simulation>(model, world_, *where, parameters);
     } else {
-      theirs_ = std::make_unique<PythonRobot>(on);
       const Posture start = stand(model, world_.site("start"), model.profile().stance.com_height);
       on_theirs_ = std::make_unique<Session>(model, world_, *theirs_, start, session);
     }
     kinematics_ = std::make_unique<Kinematics>(model);
-    session_ = named ? &simulation_->session() : on_theirs_.get();
+    session_ = where ? &simulation_->session() : on_theirs_.get();
     session_->add(*this);
   }
 
@@ -132,27 +179,41 @@ class Run : public Sink {
   }
 
   std::vector<PythonEvent> step(const std::optional<Command>& command) {
+    const Use use(*this);
     if (command) command_ = *command;
-    const nb::gil_scoped_release released;
-    session_->step(command_);
+    tick();
     return std::exchange(events_, {});
   }
 
   std::vector<PythonEvent> advance(double seconds) {
-    if (!std::isfinite(seconds) || seconds < 0.0)
-      throw InputError(fmt::format("seconds {}: must be 0 or more, and finite", seconds));
-    const double period = robot_.model->profile().tick.period;
-    const auto ticks = static_cast<long>(std::lround(seconds / period));
-    for (long tick = 0; tick < ticks; ++tick) {
-      if (tick % kTicksBetweenSignals == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
-      const nb::gil_scoped_release released;
-      session_->step(command_);
+    if (!(seconds >= 0.0 && seconds <= kLongest))
+      throw InputError(fmt::format("seconds {}: must be 0 … {}", seconds, kLongest));
+    const Use use(*this);
+    const double half = 0.5 * robot_.model->profile().tick.period;
+    if (std::abs(session_->t() - until_) > 1.1 * half) until_ = session_->t();  // by steps, or after an exception
+    until_ += seconds;
+    for (long count = 0; session_->t() < until_ - half; ++count) {
+      if (count % kTicksBetweenSignals == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
+      tick();
     }
     return std::exchange(events_, {});
   }
 
+  void reset() {
+    const Use use(*this);
+    {
+      const nb::gil_scoped_release released;
+      session_->reset();
+    }
+    session_->add(*this);
+    command_ = {};
+    measurement_.reset();
+    target_.reset();
+    events_.clear();
+  }
+
   void guide(const std::string& part, const nb::object& axes, std::optional<double> lift) {
-    Command next = command_;
+    Command next = command();
     next.guide = part_named(part);
     next.axes = axes.is_none() ? Vec6::Zero().eval() : numbers<Vec6>("axes", axes);
     next.recall = Recall::none;
@@ -162,36 +223,45 @@ class Run : public Sink {
     }
     command_ = next;
   }
-  void recall(Recall recall) { command_.recall = recall; }
+  void recall(Recall recall) {
+    check_thread();
+    command_.recall = recall;
+  }
   void release() {
+    check_thread();
     command_.axes.setZero();
     command_.recall = Recall::none;
   }
 
-  void reset() {
-    session_->reset();
-    session_->add(*this);
-    command_ = {};
-    measurement_.reset();
-    target_.reset();
-    events_.clear();
+  [[nodiscard]] const Session& session() const {
+    check_thread();
+    return *session_;
   }
-
-  [[nodiscard]] const Session& session() const { return *session_; }
   [[nodiscard]] const Robot& robot() const { return robot_; }
   [[nodiscard]] const std::string& world() const { return world_.name(); }
-  [[nodiscard]] const Command& command() const { return command_; }
-  [[nodiscard]] const std::optional<Measurement>& measurement() const { return measurement_; }
-  [[nodiscard]] const std::optional<JointTarget>& target() const { return target_; }
+  [[nodiscard]] const Command& command() const {
+    check_thread();
+    return command_;
+  }
+  [[nodiscard]] const std::optional<Measurement>& measurement() const {
+    check_thread();
+    return measurement_;
+  }
+  [[nodiscard]] const std::optional<JointTarget>& target() const {
+    check_thread();
+    return target_;
+  }
   [[nodiscard]] std::optional<Truth> truth() const {
-    const Truth* truth = session_->truth();
+    const Truth* truth = session().truth();
     return truth != nullptr ? std::optional(*truth) : std::nullopt;
   }
   [[nodiscard]] std::string mjcf() const {
+    check_thread();
     if (!simulation_) throw InputError("mjcf: only of a robot on 'sim' or 'ideal'");
     return simulation_->model_text();
   }
   [[nodiscard]] VecX qpos() const {
+    check_thread();
     SimulatedRobot* const simulated = simulation_ ? simulation_->simulated() : nullptr;
     if (simulated == nullptr) throw InputError("qpos: only of a robot on 'sim'");
     return Eigen::Map<const VecX>(simulated->data().qpos, simulated->model().nq);
@@ -200,24 +270,59 @@ class Run : public Sink {
   /// Estimated pose of a part in the world, as a homogeneous matrix.
   [[nodiscard]] Eigen::Matrix4d pose(const std::string& name) {
     const Part part = part_named(name);
-    const Navigator& navigator = session_->navigator();
-    if (!measurement_) throw InputError("pose: nothing is known before the first step");
-    kinematics_->set(navigator.state().q);
-    const Pose pose = navigator.anchor() * (part == Part::trunk ? kinematics_->trunk()
-                                            : is_foot(part)     ? kinematics_->sole(side_of(part))
-                                                                : kinematics_->hand(side_of(part)));
+    place();
+    const Pose pose = session_->navigator().anchor() * (part == Part::trunk ? kinematics_->trunk()
+                                                        : is_foot(part)     ? kinematics_->sole(side_of(part))
+                                                                            : kinematics_->hand(side_of(part)));
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     matrix.topLeftCorner<3, 3>() = pose.R;
     matrix.topRightCorner<3, 1>() = pose.p;
     return matrix;
   }
   /// Estimated COM in the world [m].
-  [[nodiscard]] Vec3 com() const {
-    if (!measurement_) throw InputError("com: nothing is known before the first step");
-    return session_->navigator().anchor() * session_->navigator().state().com;
+  [[nodiscard]] Vec3 com() {
+    place();
+    return session_->navigator().anchor() * kinematics_->com();
   }
 
+  [[nodiscard]] PythonRobot* theirs() const { return theirs_.get(); }
+
  private:
+  /// Takes the run for the time of a call.
+  class Use {
+   public:
+    /// @throws std::runtime_error it is taken
+    explicit Use(Run& run) : run_(&run) {
+      run.check_thread();
+      if (run.user_ != std::thread::id{})
+        throw std::runtime_error("this run is in a step: read() and write() of its robot cannot step or reset it");
+      run.user_ = std::this_thread::get_id();
+    }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+    ~Use() { run_->user_ = {}; }
+
+   private:
+    Run* run_;
+  };
+
+  /// @throws std::runtime_error another thread is in a step
+  void check_thread() const {
+    if (user_ != std::thread::id{} && user_ != std::this_thread::get_id())
+      throw std::runtime_error("this run is in a step of another thread: a run is for one thread at a time");
+  }
+  void tick() {
+    const nb::gil_scoped_release released;
+    session_->step(command_);
+  }
+  /// Sets the kinematics to the estimated state, or, before the first step, to the start.
+  void place() {
+    const Navigator& navigator = session().navigator();
+    kinematics_->set(measurement_ ? navigator.state().q : navigator.sample().q);
+  }
+
+  std::thread::id user_;  ///< thread that is in a step
+  double until_ = 0.0;    ///< time that `advance` was told to reach [s]
   Robot robot_;
   World world_;
   std::unique_ptr<Planning> planning_;
@@ -232,47 +337,89 @@ class Run : public Sink {
   std::vector<PythonEvent> events_;
 };
 
+// For the garbage collector: a robot of the user's may know its run.
+int visit_run(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  const PythonRobot* theirs = nb::inst_ready(self) ? nb::inst_ptr<Run>(self)->theirs() : nullptr;
+  if (theirs != nullptr) Py_VISIT(theirs->object());
+  return 0;
+}
+int clear_run(PyObject* self) {
+  PythonRobot* theirs = nb::inst_ready(self) ? nb::inst_ptr<Run>(self)->theirs() : nullptr;
+  if (theirs != nullptr) theirs->forget();
+  return 0;
+}
+std::array<PyType_Slot, 3> run_slots{{{Py_tp_traverse, reinterpret_cast<void*>(visit_run)},
+                                      {Py_tp_clear, reinterpret_cast<void*>(clear_run)},
+                                      {0, nullptr}}};
+
+nb::dict described_scenarios() {
+  nb::dict all;
+  for (const Scenario& scenario : scenarios())
+    all[nb::cast(std::string(scenario.name))] = std::string(scenario.what);
+  return all;
+}
+
 }  // namespace
 
 void bind_run(nb::module_& m) {
+  m.def("scenarios", &described_scenarios, nb::sig("def scenarios() -> dict[str, str]"),
+        "The disturbances that `Run` knows by name, and what each is, with numbers for mighty.");
   nb::class_<Run>(
       m, "Run",
       "A robot that is guided in a world, tick by tick. The same seed and commands give the same run, bit by "
-      "bit. Not for use by several threads at once.")
+      "bit, unless it is live or the robot is yours. For one thread at a time; others run meanwhile.",
+      nb::type_slots(run_slots.data()))
       .def(
           "__init__",
-          [](Run* self, const Robot& robot, const std::string& world, const nb::object& on, const std::string& plant,
-             std::uint64_t seed, const std::optional<std::string>& scenario, double times, const std::string& state,
-             const std::string& gait, const std::string& duration, const std::string& on_limit, bool live) {
-            new (self) Run(robot, world, on, {plant, state, gait, duration, on_limit, scenario, times, seed, live});
+          [](Run* self, const nb::object& robot, const nb::object& world, const nb::object& on,
+             const std::optional<std::string>& plant, std::uint64_t seed, const std::optional<std::string>& scenario,
+             double times, const std::string& state, const std::string& gait, const std::string& duration,
+             const std::string& on_limit, bool live) {
+            new (self) Run(robot_of(robot), name_or_path("world", world), on,
+                           {state, gait, duration, on_limit, plant, scenario, times, seed, live});
           },
-          nb::arg("robot"), nb::arg("world") = "flat", nb::kw_only(), nb::arg("on") = "sim", nb::arg("plant") = "real",
-          nb::arg("seed") = 0, nb::arg("scenario") = nb::none(), nb::arg("times") = 1.0, nb::arg("state") = "sensors",
-          nb::arg("gait") = "flow", nb::arg("duration") = "paper", nb::arg("on_limit") = "shrink",
-          nb::arg("live") = false,
-          "world: a name in worlds/ or a file.\n"
+          nb::arg("robot") = "mighty", nb::arg("world") = "flat", nb::kw_only(), nb::arg("on") = "sim",
+          nb::arg("plant") = nb::none(), nb::arg("seed") = 0, nb::arg("scenario") = nb::none(), nb::arg("times") = 1.0,
+          nb::arg("state") = "sensors", nb::arg("gait") = "flow", nb::arg("duration") = "paper",
+          nb::arg("on_limit") = "shrink", nb::arg("live") = false,
+          nb::sig(
+              "def __init__(self, robot: Robot | str | os.PathLike = 'mighty', world: str | os.PathLike = 'flat', *, "
+              "on: object = 'sim', plant: str | None = None, seed: int = 0, scenario: str | None = None, times: "
+              "float = 1.0, state: str = 'sensors', gait: str = 'flow', duration: str = 'paper', on_limit: str = "
+              "'shrink', live: bool = False) -> None"),
+          "robot: a Robot, or what one is made of.\n"
+          "world: 'flat', 'room', or a file.\n"
           "on: 'sim' (physics), 'ideal' (joints do what they are told), or a robot of yours: an object with\n"
           "  read() → Measurement, and write(JointTarget), which lets a tick pass; reset() if it can. It must begin "
           "in\n"
           "  Robot.standing(world).\n"
-          "plant: errors of simulated sensors and motors: 'real' (as the profile says, drawn by `seed`) or 'model' "
-          "(none).\n"
-          "scenario, times: a disturbance of docs/balance.md on top, and how many times as large.\n"
-          "state, gait, duration, on_limit: as the options of `baton drive`.\n"
+          "plant: errors of simulated sensors and motors: 'real' (as the profile says, drawn by `seed`; the default)\n"
+          "  or 'model' (none).\n"
+          "seed: of plant and scenario, 0 or more.\n"
+          "scenario, times: a disturbance that `scenarios()` lists, on top, and how many times as large.\n"
+          "state: what the robot's state comes from: 'sensors' (encoders, IMU, forces under the soles), 'torques'\n"
+          "  (motor torques in place of those forces) or 'perfect' (the simulator).\n"
+          "gait: 'flow' (motions are replaced on their way) or 'stop' (only at rest).\n"
+          "duration: of a motion: 'paper' (the first feasible of a series) or 'search' (the shortest feasible).\n"
+          "on_limit: what is done with a command that is not feasible: 'shrink' (a part of it) or 'discard'.\n"
           "live: plan on a thread of its own, for real time: a plan that is late is dropped. Else planning takes "
           "place\n"
           "  within a step.\n"
           "Raises InputError.")
       .def("step", &Run::step, nb::arg("command") = nb::none(),
            "Let one tick pass. `command` holds until another is given. Returns what happened, as events.")
-      .def("advance", &Run::advance, nb::arg("seconds"), "Let time pass [s]. Returns what happened, as events.")
+      .def("advance", &Run::advance, nb::arg("seconds"),
+           "Let time pass [s], in whole ticks: what is left of one counts the next time. Returns what happened, as "
+           "events. After an exception, Ctrl-C's too, the run can go on; the events so far are returned next.")
       .def("guide", &Run::guide, nb::arg("part"), nb::arg("axes") = nb::none(), nb::kw_only(),
            nb::arg("lift") = nb::none(),
            nb::sig(
                "def guide(self, part: str, axes: numpy.typing.ArrayLike | None = None, *, lift: float | None = None) "
                "-> None"),
            "Hold the stick: the guided part, the axes as in Command (None: centred), and the lever of a guided foot, "
-           "which else stays where it was. A foot that is not guided any more is put down.")
+           "which else stays where it was. A foot that is not guided any more is put down, and lifted again when it is "
+           "guided with its lever up.")
       .def("release", &Run::release, "Let go of the stick; levers stay.")
       .def(
           "retrace", [](Run& run) { run.recall(Recall::retrace); }, "Go back the way it came, until told otherwise.")
@@ -280,7 +427,7 @@ void bind_run(nb::module_& m) {
           "home", [](Run& run) { run.recall(Recall::home); }, "Step to the stance that it began in, wherever it is.")
       .def(
           "stop", [](Run& run) { run.recall(Recall::stop); }, "Come to rest as soon as possible.")
-      .def("reset", &Run::reset, "Begin anew: the same commands give the same run again.")
+      .def("reset", &Run::reset, "Begin anew.")
       .def_prop_ro(
           "t", [](const Run& run) { return run.session().t(); }, "[s]")
       .def_prop_ro("resting", [](const Run& run) { return run.session().resting(); })
@@ -296,8 +443,10 @@ void bind_run(nb::module_& m) {
       .def_prop_ro("robot", &Run::robot)
       .def_prop_ro("world", &Run::world)
       .def_prop_ro("command", &Run::command, nb::rv_policy::copy)
-      .def_prop_ro("measurement", &Run::measurement, nb::rv_policy::copy, "What the last tick began with.")
-      .def_prop_ro("target", &Run::target, nb::rv_policy::copy, "What the joints were told in the last tick.")
+      .def_prop_ro("measurement", &Run::measurement, nb::rv_policy::copy,
+                   "What the last tick began with; None before the first.")
+      .def_prop_ro("target", &Run::target, nb::rv_policy::copy,
+                   "What the joints were told in the last tick; None before the first.")
       .def_prop_ro("truth", &Run::truth, "None if the robot is yours.")
       .def_prop_ro("com", &Run::com, "Estimated centre of mass in the world (3) [m].")
       .def("pose", &Run::pose, nb::arg("part"),

@@ -61,7 +61,9 @@ Part part_named(const std::string& name) {
 }
 
 void bind_signals(nb::module_& m) {
-  nb::class_<Command>(m, "Command", "A position of the stick, which holds until the next.")
+  nb::class_<Command> command_class(m, "Command", "A position of the stick, which holds until the next.");
+  command_class.attr("__hash__") = nb::none();  // it compares by value
+  command_class
       .def(
           "__init__",
           [](Command* self, const std::string& guide, const nb::object& axes, Pair lift, const std::string& recall) {
@@ -79,7 +81,8 @@ void bind_signals(nb::module_& m) {
       .def_ro("axes", &Command::axes, nb::rv_policy::copy)
       .def_prop_ro("lift", [](const Command& c) { return Pair(c.lift.left, c.lift.right); })
       .def_prop_ro("recall", [](const Command& c) { return std::string(kRecalls[static_cast<std::size_t>(c.recall)]); })
-      .def("__eq__", [](const Command& a, const Command& b) { return a == b; })
+      .def(
+          "__eq__", [](const Command& a, const Command& b) { return a == b; }, nb::is_operator())
       .def("__repr__", [](const Command& c) {
         return fmt::format("Command({:?}, [{:.3g}], lift=({:.3g}, {:.3g}), recall={:?})", to_string(c.guide),
                            fmt::join(c.axes, ", "), c.lift.left, c.lift.right,
@@ -146,7 +149,7 @@ void bind_signals(nb::module_& m) {
               "Velocity (6 + n): first body linear in the world, angular in its frame, then joint speeds [m/s, rad/s].")
       .def_prop_ro(
           "left_sole", [](const Truth& t) { return vector_of(t.sole.left); },
-          "Force [N] and moment [N·m] of the ground on the sole, in the world, about its origin (6).")
+          "Force [N] and moment [N·m] of the ground on the sole in world axes, about the origin of the world (6).")
       .def_prop_ro("right_sole", [](const Truth& t) { return vector_of(t.sole.right); })
       .def_ro("fallen", &Truth::fallen)
       .def_ro("fall", &Truth::fall, "What the fall was, or empty.");

@@ -23,6 +23,14 @@ def example(name, *args):
     return done.stdout
 
 
+def test_what_the_documentation_shows():
+    text = (ROOT / "docs" / "python.md").read_text()
+    code = re.search(r"```python\n(.*?)```", text, re.S)[1]
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    first, *_, last = done.stdout.splitlines()
+    assert f"# {first}, …" in text and last.endswith("True False"), done.stdout + done.stderr
+
+
 def test_guide():
     out = example("01_guide.py")
     ahead, higher = re.search(r"(\S+) m ahead, the hand (\S+) cm higher, on its feet", out).groups()

@@ -1,11 +1,17 @@
 """The Python package, as `make test-wheel` installs it: its commands, events and errors, and robots of one's own."""
 
 import ast
+import gc
 import math
 import pathlib
 import re
 import signal
+import subprocess
+import sys
+import threading
+import weakref
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -32,8 +38,16 @@ def targets(run, seconds):
 
 
 def test_the_package_is_the_installed_one():
-    assert ROOT not in pathlib.Path(baton.__file__).resolve().relative_to("/").parents
-    assert "site-packages" in baton.__file__
+    assert pathlib.Path(baton.__file__).is_relative_to(sys.prefix)
+    assert re.fullmatch(r"\d+\.\d+\.\d+", baton.__version__)
+
+
+def test_the_licences_of_what_it_contains_are_there():
+    package = pathlib.Path(baton.__file__).parent
+    libraries = {re.match(r"lib[a-z]+", file.name)[0] for file in package.with_name("baton.libs").iterdir()}
+    licences = {file.stem for file in (package / "licences").iterdir()}
+    assert len(libraries) >= 4 and libraries | {"nanobind", "libeigen3-dev", "nlohmann-json3-dev"} <= licences
+    assert all("Licen" in file.read_text() or "Copyright" in file.read_text() for file in (package / "licences").iterdir())
 
 
 def test_a_robot_tells_what_it_is(robot):
@@ -43,7 +57,17 @@ def test_a_robot_tells_what_it_is(robot):
     assert robot.kp.shape == robot.kd.shape == (20,) and (robot.kp > 0).all()
     assert robot.standing().shape == (27,)
     assert baton.Robot("mighty", drive="stiff").drive == "stiff"
-    assert baton.robots()["mighty"]
+    assert baton.robots()["mighty"] and "push" in baton.scenarios()
+    assert baton.Robot(pathlib.Path(ROOT / "robots" / "mighty" / "profile.toml")).nq == robot.nq == 27
+    with pytest.raises(baton.InputError, match="must be a name or a file"):
+        baton.Robot(3)
+
+
+def test_commands_are_compared_by_value():
+    assert baton.Command("trunk", FORWARD) == baton.Command("trunk", np.array(FORWARD))
+    assert baton.Command() != baton.Command(recall="home") and baton.Command() != None and baton.Command() not in [3, "x"]  # noqa: E711
+    with pytest.raises(TypeError):
+        hash(baton.Command())
 
 
 def test_the_trunk_walks_and_comes_to_rest(robot):
@@ -103,6 +127,16 @@ def test_a_step_and_advance_are_the_same(robot):
     assert np.array_equal(a.truth.q, b.truth.q)
 
 
+def test_what_is_left_of_a_tick_counts_the_next_time(robot):
+    run = baton.Run(robot, on="ideal")
+    for _ in range(100):
+        run.advance(0.002)
+    assert run.t == pytest.approx(0.2, abs=0.0026)
+    run.step()
+    run.advance(0.05)
+    assert run.t == pytest.approx(0.255, abs=0.0026)
+
+
 def test_no_command_breaks_a_run(robot):
     """Whatever the stick does, in 20 runs of 400 ticks: nothing is raised, nothing falls, all targets are finite."""
     strange = [0.0, 1.0, -1.0, 5.0, 1e300, -1e-310, math.nan, math.inf, -math.inf]
@@ -150,19 +184,27 @@ def test_a_refusal_says_why(robot):
         (lambda r: baton.Command(recall="back"), 'recall "back": must be one of none'),
         (lambda r: baton.Run(r, "nowhere"), "nowhere"),
         (lambda r: baton.Run(r, on="air"), 'on "air": must be one of sim, ideal'),
-        (lambda r: baton.Run(r, on=3), "3 has no method read"),
+        (lambda r: baton.Run(r, on=3), "on 3: has no method read"),
         (lambda r: baton.Run(r, plant="odd"), 'plant "odd": must be one of real, model'),
         (lambda r: baton.Run(r, state="odd"), 'state "odd"'),
         (lambda r: baton.Run(r, gait="odd"), 'gait "odd"'),
         (lambda r: baton.Run(r, duration="odd"), 'duration "odd"'),
         (lambda r: baton.Run(r, on_limit="odd"), 'on_limit "odd"'),
-        (lambda r: baton.Run(r, scenario="odd"), "odd: must be one of nominal"),
-        (lambda r: baton.Run(r, on="ideal", scenario="push"), "physics"),
+        (lambda r: baton.Run(r, scenario="odd"), 'scenario "odd": must be one of nominal'),
+        (lambda r: baton.Run(r, on="ideal", scenario="push"), "scenario: must be on='sim'"),
+        (lambda r: baton.Run(r, on="ideal", plant="model"), "plant: must be on='sim'"),
+        (lambda r: baton.Run(r, times=2.0), "times 2: needs a scenario"),
+        (lambda r: baton.Run(r, scenario="push", times=math.nan), "times nan: must be above 0"),
+        (lambda r: baton.Run(r, scenario="stiff", times=2.0), "stiff has no size"),
+        (lambda r: baton.Run(r, 7), "world 7: must be a name or a file"),
+        (lambda r: baton.Run(r, on=Mine(r), state="perfect"), "has no truth"),
+        (lambda r: r.mjcf(timestep=0.0), "timestep 0"),
         (lambda r: baton.Run(r).guide("trunk", lift=1.0), "only a foot has a lever"),
         (lambda r: baton.Run(r).guide("trunk", [1]), "axes has the shape"),
-        (lambda r: baton.Run(r).pose("trunk"), "before the first step"),
+        (lambda r: baton.Run(r).pose("head"), 'part "head"'),
         (lambda r: baton.Run(r).advance(-1.0), "seconds -1"),
         (lambda r: baton.Run(r).advance(math.nan), "seconds nan"),
+        (lambda r: baton.Run(r).advance(1e17), r"seconds 1e\+17: must be 0 … "),
         (lambda r: baton.Run(r, on="ideal").qpos, "qpos: only of a robot on 'sim'"),
     ],
 )
@@ -229,10 +271,138 @@ def test_a_robot_of_ones_own_is_read_and_told(robot):
     assert np.allclose(dq, mine.target.dq) and (tau == 0).all()
     with pytest.raises(baton.InputError, match="reset"):
         run.reset()
+    mine.reset = lambda: None
+    run.reset()
+    assert run.t == 0
+    run.advance(0.1)
+    assert run.t == pytest.approx(0.1)
+    other = baton.Robot("g1") if baton.robots()["g1"] else None
+    if other is not None:
+        with pytest.raises(baton.InputError, match="has 20 joints; must have the 29"):
+            other.servo_command(mine.target)
+    with pytest.raises(baton.InputError, match="to_end nan"):
+        robot.servo_command(mine.target, math.nan)
+
+
+def test_a_robot_of_ones_own_cannot_step_its_run(robot):
+    mine = Mine(robot)
+    run = baton.Run(robot, on=mine)
+    for name in ("read", "write"):
+        good = getattr(mine, name)
+        for call in (run.step, run.reset, lambda: run.advance(0.1)):
+            setattr(mine, name, lambda *args, call=call: call())
+            with pytest.raises(RuntimeError, match="in a step"):
+                run.step()
+        setattr(mine, name, good)
+    mine.write = lambda target: run.guide("trunk", FORWARD)  # may be
+    run.step()
+    assert run.command.axes[0] == 1
+
+
+def test_the_time_goes_on_if_a_target_could_not_be_written(robot):
+    mine = Mine(robot)
+    run = baton.Run(robot, on=mine)
+    run.advance(0.1)
+    good = mine.write
+    mine.write = lambda target: 1 / 0
+    with pytest.raises(ZeroDivisionError):
+        run.step()
+    mine.write = good
+    assert run.t == pytest.approx(0.105)
+    run.advance(0.1)
+    assert run.t == pytest.approx(0.205) and mine.asked == 41
+
+
+def test_a_run_is_for_one_thread_at_a_time(robot):
+    entered, leave = threading.Event(), threading.Event()
+
+    class Slow(Mine):
+        def write(self, target):
+            entered.set()
+            leave.wait(60)
+
+    run = baton.Run(robot, on=Slow(robot))
+    thread = threading.Thread(target=run.step)
+    thread.start()
+    assert entered.wait(60)
+    for call in (run.step, run.reset, run.release, lambda: run.t, lambda: run.com, lambda: run.measurement, lambda: run.pose("trunk")):
+        with pytest.raises(RuntimeError, match="another thread"):
+            call()
+    leave.set()
+    thread.join()
+    run.step()
+    assert run.t == pytest.approx(0.01)
+
+
+def test_runs_on_threads_of_their_own_do_not_meet(robot):
+    def drive(seed, into):
+        run = baton.Run(robot, seed=seed)
+        run.guide("trunk", FORWARD)
+        run.advance(2.0)
+        into[seed] = run.truth.q
+
+    alone, together = {}, {}
+    for seed in range(3):
+        drive(seed, alone)
+    threads = [threading.Thread(target=drive, args=(seed, together)) for seed in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for seed in range(3):
+        assert np.array_equal(alone[seed], together[seed])
+
+
+def test_a_robot_that_knows_its_run_is_freed(robot):
+    mine = Mine(robot)
+    mine.run = baton.Run(robot, on=mine)
+    mine.run.step()
+    gone = weakref.ref(mine)
+    del mine
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_live_run_ends_while_it_plans(robot):
+    for ticks in (1, 2, 15):
+        run = baton.Run(robot, live=True)
+        run.guide("trunk", FORWARD)
+        for _ in range(ticks):
+            run.step()
+        del run
+
+
+def test_warnings_of_other_simulations_stay(robot):
+    heard = []
+    mujoco.set_mju_user_warning(heard.append)
+    try:
+        baton.Run(robot).step()
+        model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>")
+        data = mujoco.MjData(model)
+        data.qvel[0] = math.nan
+        mujoco.mj_step(model, data)
+    finally:
+        mujoco.set_mju_user_warning(None)
+    assert any("Nan" in text for text in heard)
+
+
+def test_models_are_fetched_into_a_folder(tmp_path):
+    command = [sys.executable, "-m", "baton.fetch_robots", "--into", tmp_path, "--wheels", ROOT / "build" / "wheels"]
+    folder = tmp_path / "jvrc1"
+    folder.mkdir()
+    (folder / "profile.toml").write_text((ROOT / "robots" / "jvrc1" / "profile.toml").read_text())
+    for says in ("jvrc1: fetched", "jvrc1: already there"):
+        done = subprocess.run([*command, "jvrc1"], capture_output=True, text=True)
+        assert done.returncode == 0 and says in done.stderr, done.stderr
+    assert len(baton.Robot(folder / "profile.toml").joints) == 32
+    assert "License" in (folder / "model" / "licences" / "METADATA").read_text()
+    done = subprocess.run([*command, "nobody"], capture_output=True, text=True)
+    assert done.returncode == 2 and "known: g1 t1 talos jvrc1" in done.stderr
 
 
 def measurement(n, **other):
-    fields = {"t": 0.0, "q": np.zeros(n), "dq": np.zeros(n), "attitude": np.eye(3), "rate": [0, 0, 0], "acceleration": [0, 0, 9.81]}
+    fields = {"t": 0.0, "q": np.zeros(n), "dq": np.zeros(n), "attitude": np.eye(3), "rate": [0, 0, 0],
+              "acceleration": [0, 0, 9.81], "left_sole": [0, 0, 27, 0, 0, 0], "right_sole": [0, 0, 27, 0, 0, 0]}  # fmt: skip
     return baton.Measurement(**{**fields, **other})
 
 
@@ -250,7 +420,12 @@ def test_what_a_robot_says_is_checked(robot):
         run.step()
     with pytest.raises(baton.InputError, match=r"attitude has the shape \(3,\); must be \(3, 3\)"):
         measurement(20, attitude=[0, 0, 0])
-    reading = measurement(20, torque=np.arange(20.0), left_sole=[1, 2, 3, 4, 5, 6], age=0.1)
+    for state, missing, says in (("sensors", {"left_sole": None, "right_sole": None}, "no forces under the soles"), ("torques", {}, "no motor torques")):
+        run = baton.Run(robot, on=mine, state=state)
+        mine.read = lambda missing=missing: measurement(20, **missing)
+        with pytest.raises(baton.InputError, match=says):
+            run.step()
+    reading = measurement(20, torque=np.arange(20.0), left_sole=[1, 2, 3, 4, 5, 6], right_sole=None, age=0.1)
     assert reading.torque[3] == 3 and reading.left_sole.tolist() == [1, 2, 3, 4, 5, 6] and (reading.right_sole == 0).all()
     assert measurement(20).torque is None
 
@@ -271,7 +446,6 @@ def test_broken_readings_are_bridged_and_told(robot):
 
 
 def test_the_simulated_model_can_be_drawn(robot):
-    mujoco = pytest.importorskip("mujoco")
     run = baton.Run(robot, "room", seed=2)
     run.advance(0.5)
     model = mujoco.MjModel.from_xml_string(run.mjcf)
@@ -286,7 +460,7 @@ def test_stubs_have_every_name():
     stub = ast.parse((pathlib.Path(baton.__file__).parent / "_core.pyi").read_text())
     classes = {node.name: node for node in stub.body if isinstance(node, ast.ClassDef)}
     for name in baton.__all__:
-        if name not in ("Event", "robots"):
+        if name not in ("Event", "robots", "scenarios"):
             assert name in classes
     for name in ("Robot", "Run", "Command", "Measurement"):
         members = {node.name for node in classes[name].body if isinstance(node, ast.FunctionDef)}
