@@ -13,6 +13,7 @@ constexpr double kOldest = 0.1;        ///< largest age of a measurement that is
 constexpr double kFastestJoint = 1.5;  ///< largest speed of a joint, as a fall may drive it [no-load speed]
 constexpr double kSpeedJump = 12.0;    ///< largest change of a speed in a tick: noise of encoders [rad/s]
 constexpr double kAngleStep = 0.035;   ///< change of an angle beyond its speed: noise and backlash [rad]
+constexpr double kBeyondRange = 0.3;   ///< how far beyond its range a joint is measured: zero errors, play [rad]
 constexpr double kJointStray = 0.3;    ///< how fast a joint leaves its prediction [rad/s]
 constexpr double kStuck = 0.03;        ///< planned movement without a change of the angle [rad]
 constexpr double kExcessAngle = 0.04;  ///< speed beyond the change of the angle, added up [rad]
@@ -118,8 +119,10 @@ bool SensorCheck::check_joints(const Measurement& measurement, const MotionSampl
     const double most = kAngleStep + kJointStray * bridged + (continuous ? 0.0 : period_ * fastest);
     joint.planned = q == last_.q[j] ? joint.planned + period_ * planned.dq[6 + j] : 0.0;
     joint.steady = std::abs(q - last_.q[j]) <= kAngleStep + period_ * fastest ? joint.steady + period_ : 0.0;
-    const bool angle = std::abs(joint.planned) <= kStuck &&
-                       (first_ ? std::isfinite(q) : std::abs(q - expected) <= most || joint.steady > kBridge);
+    const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
+    const bool possible = q >= range.lo - kBeyondRange && q <= range.hi + kBeyondRange;
+    const bool angle = possible && std::abs(joint.planned) <= kStuck &&
+                       (first_ || std::abs(q - expected) <= most || joint.steady > kBridge);
 
     const double excess = period_ * dq - (q - checked_.q[j]);
     joint.excess *= leak;

@@ -111,6 +111,26 @@ TEST_P(SensorCheckTest, NoGlitchPassesAndTheNextGoodReadingIsBelieved) {
   }
 }
 
+TEST_P(SensorCheckTest, AnAngleThatNoJointCanHaveIsNeverBelieved) {
+  Simulation simulation(robot_, flat_, On::sim);
+  const auto joints = static_cast<Eigen::Index>(robot_.joints().size());
+  std::mt19937_64 random(1);
+  for (const double beyond : {0.31, 10.0, 1e100, 1e308}) {
+    SensorCheck sensors(robot_, StateSource::sensors);
+    const auto joint = std::uniform_int_distribution<Eigen::Index>(0, joints - 1)(random);
+    const Range& range = robot_.joints()[static_cast<std::size_t>(joint)].position;
+    const double angle = random() % 2 == 0 ? range.hi + beyond : range.lo - beyond;
+    for (double t = 0.0; t < 1.0; t += robot_.profile().tick.period) {
+      simulation.session().step(Command{});
+      Measurement m = simulation.simulated()->read();
+      const double truth = m.q[joint];
+      if (t > 0.1) m.q[joint] = angle;
+      ASSERT_NEAR(sensors.check(m, simulation.session().navigator().sample()).q[joint], truth, 0.01) << beyond;
+    }
+    EXPECT_EQ(sensors.health(Sensor::encoders), Health::lost);
+  }
+}
+
 TEST_P(SensorCheckTest, ASensorThatIsGoneForLongIsLostAndThenBelievedAgain) {
   Simulation simulation(robot_, flat_, On::sim);
   std::mt19937_64 random(1);
