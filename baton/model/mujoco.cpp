@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "baton/model/error.hpp"
@@ -15,13 +16,21 @@ namespace baton {
 namespace {
 
 thread_local int warnings = 0;
-std::atomic<bool> warnings_are_theirs = false;
+thread_local int own_calls = 0;
+std::atomic<bool> shared = false;
+void (*others)(const char*) = nullptr;  ///< the handler that was there before
 
 void on_error(const char* message) {
   throw std::runtime_error(fmt::format("MuJoCo: {}", message));
 }
-void on_warning(const char* /*message*/) {
+void on_warning(const char* message) {
   ++warnings;
+  if (!shared || own_calls > 0) return;
+  if (others != nullptr) {
+    others(message);
+  } else {
+    fmt::print(stderr, "WARNING: {}\n", message);
+  }
 }
 
 /// The parser's message, which may have several lines, on one.
@@ -36,12 +45,18 @@ void install_mujoco_handlers() {
   static std::once_flag once;
   std::call_once(once, [] {
     mju_user_error = on_error;
-    if (!warnings_are_theirs) mju_user_warning = on_warning;
+    others = mju_user_warning;
+    mju_user_warning = on_warning;
   });
 }
 
-void leave_mujoco_warnings() {
-  warnings_are_theirs = true;
+void share_mujoco() {
+  shared = true;
+}
+
+OwnMujoco::OwnMujoco(bool own) : before_(std::exchange(own_calls, own ? own_calls + 1 : 0)) {}
+OwnMujoco::~OwnMujoco() {
+  own_calls = before_;
 }
 
 std::unique_lock<std::recursive_mutex> lock_compiler() {

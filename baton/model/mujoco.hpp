@@ -22,9 +22,20 @@ using SpecPtr = std::unique_ptr<mjSpec, MujocoDeleter>;
 /// Makes MuJoCo's fatal errors throw std::runtime_error instead of ending the process, and counts its warnings in
 /// `mujoco_warnings()` instead of logging them. All functions below call it; calling it again does nothing.
 void install_mujoco_handlers();
-/// For a process in which others use MuJoCo as well: warnings stay as they are handled there. Call it before the
-/// others.
-void leave_mujoco_warnings();
+/// For a process in which others use MuJoCo as well: from now on, warnings outside of `OwnMujoco` go where they went.
+void share_mujoco();
+
+/// While it lives, MuJoCo is called by us on this thread; or, with `own` false, by others.
+class OwnMujoco {
+ public:
+  explicit OwnMujoco(bool own = true);
+  OwnMujoco(const OwnMujoco&) = delete;
+  OwnMujoco& operator=(const OwnMujoco&) = delete;
+  ~OwnMujoco();
+
+ private:
+  int before_;
+};
 
 /// Lock to hold while working on a spec: MuJoCo's parser and compiler are not thread-safe. The functions below take it
 /// themselves; it is recursive.

@@ -36,6 +36,8 @@ for episode in range(options.episodes):
             axes = np.clip(random.normal(scale=0.7, size=6), -1, 1)
             run.guide(PARTS[part], axes)
             until = run.t + random.uniform(1.0, 2.0)
+        if run.guard == "lifted":  # or seems so: it goes on once the stick was centred
+            run.release()
         now = run.t
         for event in run.step():
             moved += isinstance(event, baton.Committed)

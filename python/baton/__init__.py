@@ -3,10 +3,11 @@
 import ctypes
 import importlib.metadata
 import pathlib
+import sys
 
-# The libraries of two other packages that _core is linked with, wherever those are installed.
-for _package, _pattern in (("mujoco", "mujoco/libmujoco.so.*"), ("eiquadprog", "cmeel.prefix/lib/libeiquadprog.so")):
-    for _library in pathlib.Path(importlib.metadata.distribution(_package).locate_file("")).glob(_pattern):
+# The libraries of two other packages that _core is linked with, wherever those are.
+for _pattern in ("mujoco/libmujoco.so.*", "cmeel.prefix/lib/libeiquadprog.so"):
+    for _library in [file for folder in sys.path for file in pathlib.Path(folder).glob(_pattern)][:1]:
         ctypes.CDLL(str(_library))
 
 from . import _core  # noqa: E402

@@ -36,8 +36,10 @@ SOURCES = {
 
 def is_there(folder: pathlib.Path) -> bool:
     """Whether the robot of `folder`, which holds its profile, has its model."""
-    profile = tomllib.loads((folder / "profile.toml").read_text())
-    return (folder / profile["model"]).is_file()
+    try:
+        return (folder / tomllib.loads((folder / "profile.toml").read_text())["model"]).is_file()
+    except (OSError, KeyError, TypeError, ValueError):  # no profile, or a broken one
+        return False
 
 
 def _is_licence(name: str) -> bool:
@@ -80,7 +82,9 @@ def fetch(name: str, robots: pathlib.Path, wheels: pathlib.Path) -> bool:
     source = SOURCES[name]
     into = robots / name / "model"
     stamp = into / ".package"
-    if stamp.is_file() and stamp.read_text().strip() == source.package:
+    if not (robots / name / "profile.toml").is_file():
+        raise OSError(f"no profile {robots / name / 'profile.toml'}")
+    if is_there(robots / name) and stamp.is_file() and stamp.read_text().strip() == source.package:
         return False
     new = into.with_name("model.new")
     shutil.rmtree(new, ignore_errors=True)
@@ -88,6 +92,8 @@ def fetch(name: str, robots: pathlib.Path, wheels: pathlib.Path) -> bool:
     (new / ".package").write_text(source.package + "\n")
     shutil.rmtree(into, ignore_errors=True)
     new.rename(into)
+    if not is_there(robots / name):
+        raise OSError(f"{source.package} has no model that the profile names")
     return True
 
 

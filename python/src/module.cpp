@@ -6,7 +6,7 @@ NB_MODULE(_core, m) {
   // At exit the interpreter need not free the objects of the user's modules; nanobind would call that a leak.
   nb::set_leak_warnings(false);
   nb::exception<baton::InputError>(m, "InputError", PyExc_ValueError);
-  baton::leave_mujoco_warnings();
+  baton::share_mujoco();
   m.def("share_dir", &baton::share_dir, "Folder of robots/ and worlds/.");
   m.def("use_share_dir", &baton::use_share_dir, nb::arg("folder"),
         "Look for robots/ and worlds/ in this folder, unless $BATON_SHARE names another.");

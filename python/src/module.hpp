@@ -20,11 +20,23 @@
 
 #include "baton/guide/command.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/mujoco.hpp"
 #include "baton/model/robot_model.hpp"
 
 namespace baton::python {
 
 namespace nb = nanobind;
+
+/// Lets other Python threads run, and keeps MuJoCo's warnings about our models to itself.
+struct Away {
+  nb::gil_scoped_release released;
+  OwnMujoco own;
+};
+/// Back to Python, as when it is called from there.
+struct Back {
+  nb::gil_scoped_acquire acquired;
+  OwnMujoco own{false};
+};
 
 /// A robot's model, shared by all of its runs.
 struct Robot {
@@ -42,8 +54,14 @@ template <typename Matrix>
   Matrix matrix;
   nb::object array;
   try {
-    array = nb::module_::import_("numpy").attr("asarray")(given, nb::arg("dtype") = "float64");
-  } catch (const nb::python_error&) {
+    const nb::object asarray = nb::module_::import_("numpy").attr("asarray");
+    array = asarray(given);
+    const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+    if (std::string("biuf").find(kind) == std::string::npos)
+      throw InputError(fmt::format("{} {}: must be numbers", name, nb::repr(given).c_str()));
+    array = asarray(array, nb::arg("dtype") = "float64");
+  } catch (const nb::python_error& error) {
+    if (!error.matches(PyExc_TypeError) && !error.matches(PyExc_ValueError)) throw;
     throw InputError(fmt::format("{} {}: must be numbers", name, nb::repr(given).c_str()));
   }
   if (!nb::try_cast(array, matrix)) {
@@ -60,14 +78,16 @@ template <typename Matrix>
 /// A name, or a path-like object as text.
 /// @throws InputError neither
 [[nodiscard]] inline std::string name_or_path(const char* what, nb::handle given) {
-  nb::object text;
+  nb::object path;
   try {
-    text = nb::module_::import_("os").attr("fspath")(given);
-  } catch (const nb::python_error&) {
+    path = nb::module_::import_("os").attr("fspath")(given);
+  } catch (const nb::python_error& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
   }
-  if (!text.is_valid() || !nb::isinstance<nb::str>(text))
+  std::string text;
+  if (!path.is_valid() || !nb::try_cast(path, text) || text.find('\0') != std::string::npos)
     throw InputError(fmt::format("{} {}: must be a name or a file", what, nb::repr(given).c_str()));
-  return nb::cast<std::string>(text);
+  return text;
 }
 
 /// A robot, or what `Robot` is made of.

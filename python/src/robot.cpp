@@ -12,7 +12,7 @@ namespace baton::python {
 namespace {
 
 Robot load(const std::string& name_or_file, const std::optional<std::string>& drive) {
-  const nb::gil_scoped_release released;
+  const Away away;
   RobotModel model = RobotModel::load(name_or_file);
   if (drive) model = with_drive(model, drive_named(*drive, "drive"));
   return {std::make_shared<const RobotModel>(std::move(model))};
@@ -46,7 +46,8 @@ std::tuple<VecX, VecX, VecX> servo_command_of(const Robot& robot, const JointTar
 }  // namespace
 
 Robot robot_of(nb::handle given) {
-  if (nb::isinstance<Robot>(given)) return nb::cast<Robot>(given);
+  Robot robot;
+  if (nb::try_cast(given, robot)) return robot;
   return load(name_or_path("robot", given), std::nullopt);
 }
 
@@ -96,6 +97,7 @@ void bind_robot(nb::module_& m) {
       .def(
           "standing",
           [](const Robot& r, const nb::object& world) {
+            const OwnMujoco own;
             return stand(*r.model, World::load(name_or_path("world", world)).site("start"),
                          r.model->profile().stance.com_height)
                 .q;
@@ -108,6 +110,7 @@ void bind_robot(nb::module_& m) {
           [](const Robot& r, const nb::object& world, double timestep) {
             if (!(timestep >= 1e-5 && timestep <= 0.1))
               throw InputError(fmt::format("timestep {}: must be 1e-5 … 0.1 s", timestep));
+            const OwnMujoco own;
             return World::load(name_or_path("world", world)).compose(*r.model, timestep);
           },
           nb::arg("world") = "flat", nb::arg("timestep") = 0.001,

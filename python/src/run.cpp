@@ -16,6 +16,7 @@ namespace baton::python {
 namespace {
 
 constexpr int kTicksBetweenSignals = 20;  ///< ticks after which `advance` looks whether it was interrupted
+constexpr double kMostTimes = 100.0;      ///< largest factor on a scenario
 constexpr double kLongest = 1e6;          ///< that `advance` takes at once [s]
 
 /// The value of that name.
@@ -49,23 +50,23 @@ class PythonRobot : public baton::Robot {
   }
 
   Measurement read() override {
-    const nb::gil_scoped_acquire gil;
+    const Back back;
     const nb::object answer = object_.attr("read")();
-    if (!nb::isinstance<Measurement>(answer)) {
+    Measurement measurement;
+    if (!nb::try_cast(answer, measurement)) {
       throw InputError(fmt::format("read() of {} gave {}; must give a baton.Measurement", nb::repr(object_).c_str(),
                                    nb::repr(answer).c_str()));
     }
-    auto measurement = nb::cast<Measurement>(answer);
-    if (first_) check_complete(measurement);
+    check_complete(measurement);
     first_ = false;
     return measurement;
   }
   void write(const JointTarget& target) override {
-    const nb::gil_scoped_acquire gil;
+    const Back back;
     object_.attr("write")(nb::cast(target, nb::rv_policy::copy));
   }
   void reset() override {
-    const nb::gil_scoped_acquire gil;
+    const Back back;
     if (!nb::hasattr(object_, "reset")) throw InputError("this robot has no method reset()");
     object_.attr("reset")();
     first_ = true;
@@ -79,7 +80,8 @@ class PythonRobot : public baton::Robot {
   void check_complete(const Measurement& measurement) const {
     if (source_ == StateSource::torques && measurement.torque.size() == 0)
       throw InputError("state \"torques\": the measurement has no motor torques (torque)");
-    if (source_ == StateSource::sensors && measurement.sole.left == Wrench{} && measurement.sole.right == Wrench{}) {
+    if (first_ && source_ == StateSource::sensors && measurement.sole.left == Wrench{} &&
+        measurement.sole.right == Wrench{}) {
       throw InputError(
           "state \"sensors\": the measurement has no forces under the soles (left_sole, right_sole); without such "
           "sensors, state must be torques");
@@ -102,8 +104,8 @@ struct Options {
 /// The scenario of that name; null without one.
 /// @throws InputError no such scenario, or `times` does not go with it
 const Scenario* scenario_in(const Options& o) {
-  if (!(std::isfinite(o.times) && o.times > 0.0))
-    throw InputError(fmt::format("times {}: must be above 0, and finite", o.times));
+  if (!(o.times > 0.0 && o.times <= kMostTimes))
+    throw InputError(fmt::format("times {}: must be above 0, and at most {}", o.times, kMostTimes));
   if (!o.scenario) {
     if (o.times != 1.0) throw InputError(fmt::format("times {}: needs a scenario", o.times));
     return nullptr;
@@ -120,11 +122,16 @@ const Scenario* scenario_in(const Options& o) {
   return &*found;
 }
 
+World load_world(const std::string& name_or_file) {
+  const OwnMujoco own;
+  return World::load(name_or_file);
+}
+
 /// A robot that is guided, in a world. All is called with the GIL, and by one thread at a time, which is checked.
 class Run : public Sink {
  public:
   Run(const Robot& robot, const std::string& world, const nb::object& on, const Options& o)
-      : robot_(robot), world_(World::load(world)) {
+      : robot_(robot), world_(load_world(world)) {
     const Modes modes{
         choice("duration", o.duration,
                std::array{std::pair("paper", DurationRule::paper), std::pair("search", DurationRule::search)}),
@@ -139,8 +146,9 @@ class Run : public Sink {
         choice("plant", o.plant.value_or("real"), std::array{std::pair("real", true), std::pair("model", false)});
     const Scenario* scenario = scenario_in(o);
     std::optional<Simulation::On> where;
-    if (nb::isinstance<nb::str>(on)) {
-      where = choice("on", nb::cast<std::string>(on),
+    std::string name;
+    if (nb::try_cast(on, name)) {
+      where = choice("on", name,
                      std::array{std::pair("sim", Simulation::On::sim), std::pair("ideal", Simulation::On::ideal)});
     } else {
       theirs_ = std::make_unique<PythonRobot>(on, source);
@@ -149,7 +157,7 @@ class Run : public Sink {
       throw InputError(
           fmt::format("{}: must be on='sim', it needs physics", scenario != nullptr ? "scenario" : "plant"));
     }
-    const nb::gil_scoped_release released;
+    const Away away;
     if (scenario != nullptr) {
       const Drive drive = drive_of(*scenario, *robot_.model);
       if (drive != robot_.model->profile().drive)
@@ -202,11 +210,12 @@ class Run : public Sink {
   void reset() {
     const Use use(*this);
     {
-      const nb::gil_scoped_release released;
+      const Away away;
       session_->reset();
     }
     session_->add(*this);
     command_ = {};
+    until_ = 0.0;
     measurement_.reset();
     target_.reset();
     events_.clear();
@@ -255,15 +264,16 @@ class Run : public Sink {
     const Truth* truth = session().truth();
     return truth != nullptr ? std::optional(*truth) : std::nullopt;
   }
-  [[nodiscard]] std::string mjcf() const {
+  [[nodiscard]] std::optional<std::string> mjcf() const {
     check_thread();
-    if (!simulation_) throw InputError("mjcf: only of a robot on 'sim' or 'ideal'");
+    if (!simulation_) return std::nullopt;
+    const OwnMujoco own;
     return simulation_->model_text();
   }
-  [[nodiscard]] VecX qpos() const {
+  [[nodiscard]] std::optional<VecX> qpos() const {
     check_thread();
     SimulatedRobot* const simulated = simulation_ ? simulation_->simulated() : nullptr;
-    if (simulated == nullptr) throw InputError("qpos: only of a robot on 'sim'");
+    if (simulated == nullptr) return std::nullopt;
     return Eigen::Map<const VecX>(simulated->data().qpos, simulated->model().nq);
   }
 
@@ -312,7 +322,7 @@ class Run : public Sink {
       throw std::runtime_error("this run is in a step of another thread: a run is for one thread at a time");
   }
   void tick() {
-    const nb::gil_scoped_release released;
+    const Away away;
     session_->step(command_);
   }
   /// Sets the kinematics to the estimated state, or, before the first step, to the start.
@@ -373,11 +383,13 @@ void bind_run(nb::module_& m) {
       .def(
           "__init__",
           [](Run* self, const nb::object& robot, const nb::object& world, const nb::object& on,
-             const std::optional<std::string>& plant, std::uint64_t seed, const std::optional<std::string>& scenario,
+             const std::optional<std::string>& plant, std::int64_t seed, const std::optional<std::string>& scenario,
              double times, const std::string& state, const std::string& gait, const std::string& duration,
              const std::string& on_limit, bool live) {
-            new (self) Run(robot_of(robot), name_or_path("world", world), on,
-                           {state, gait, duration, on_limit, plant, scenario, times, seed, live});
+            if (seed < 0) throw InputError(fmt::format("seed {}: must be 0 or more", seed));
+            new (self)
+                Run(robot_of(robot), name_or_path("world", world), on,
+                    {state, gait, duration, on_limit, plant, scenario, times, static_cast<std::uint64_t>(seed), live});
           },
           nb::arg("robot") = "mighty", nb::arg("world") = "flat", nb::kw_only(), nb::arg("on") = "sim",
           nb::arg("plant") = nb::none(), nb::arg("seed") = 0, nb::arg("scenario") = nb::none(), nb::arg("times") = 1.0,
@@ -451,11 +463,11 @@ void bind_run(nb::module_& m) {
       .def_prop_ro("com", &Run::com, "Estimated centre of mass in the world (3) [m].")
       .def("pose", &Run::pose, nb::arg("part"),
            "Estimated pose of a part in the world: homogeneous matrix (4, 4); of a foot, of its sole.")
-      .def_prop_ro("mjcf", &Run::mjcf, "The simulated model as MJCF text, plant and scenario included.")
-      .def_prop_ro("qpos", &Run::qpos, "Its configuration in physics, to be drawn with `mjcf`.")
+      .def_prop_ro("mjcf", &Run::mjcf,
+                   "The simulated model as MJCF text, plant and scenario included. None if the robot is yours.")
+      .def_prop_ro("qpos", &Run::qpos, "Its configuration in physics, to be drawn with `mjcf`. None unless on 'sim'.")
       .def("__repr__", [](const Run& run) {
-        return fmt::format("Run({:?} in {:?}, t={:.3f})", run.robot().model->profile().name, run.world(),
-                           run.session().t());
+        return fmt::format("Run({:?} in {:?})", run.robot().model->profile().name, run.world());
       });
 }
 

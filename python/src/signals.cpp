@@ -36,6 +36,7 @@ Wrench wrench(const char* name, const nb::object& given) {
 Measurement measurement(double t, const nb::object& q, const nb::object& dq, const nb::object& attitude,
                         const nb::object& rate, const nb::object& acceleration, const nb::object& left_sole,
                         const nb::object& right_sole, const nb::object& torque, double age) {
+  if (!(age >= 0.0 && age < 1e6)) throw InputError(fmt::format("age {}: must be 0 or more, and finite", age));
   Measurement m;
   m.t = t;
   m.age = age;
@@ -106,7 +107,7 @@ void bind_signals(nb::module_& m) {
                   "left_sole: numpy.typing.ArrayLike | None = None, right_sole: numpy.typing.ArrayLike | None = None, "
                   "torque: numpy.typing.ArrayLike | None = None, age: float = 0.0) -> None"),
           "Each value as the attribute of its name; soles None: no force.")
-      .def_ro("t", &Measurement::t, "When the sensors were read [s].")
+      .def_ro("t", &Measurement::t, "When the sensors were read [s]; only recorded, `age` counts.")
       .def_ro("age", &Measurement::age, "Time from then until now, by the robot's clock [s].")
       .def_ro("q", &Measurement::q, nb::rv_policy::copy, "Joint angles (n) [rad].")
       .def_ro("dq", &Measurement::dq, nb::rv_policy::copy, "Joint speeds (n) [rad/s].")

@@ -107,7 +107,9 @@ def test_the_same_commands_give_the_same_run_again(robot):
     run = baton.Run(robot, seed=3)
     run.guide("trunk", FORWARD)
     first = targets(run, 3.0)
+    run.advance(0.002)  # is forgotten
     run.reset()
+    run.advance(0.002)
     assert run.t == 0 and run.measurement is None and run.target is None and run.command == baton.Command()
     run.guide("trunk", FORWARD)
     assert np.array_equal(first, targets(run, 3.0))
@@ -195,6 +197,14 @@ def test_a_refusal_says_why(robot):
         (lambda r: baton.Run(r, on="ideal", plant="model"), "plant: must be on='sim'"),
         (lambda r: baton.Run(r, times=2.0), "times 2: needs a scenario"),
         (lambda r: baton.Run(r, scenario="push", times=math.nan), "times nan: must be above 0"),
+        (lambda r: baton.Run(r, scenario="push", times=1e8), "times 100000000: must be above 0, and at most 100"),
+        (lambda r: baton.Run(r, seed=-1), "seed -1: must be 0 or more"),
+        (lambda r: baton.Run(r, "\ud800"), "must be a name or a file"),
+        (lambda r: baton.Robot("mighty\0x"), "must be a name or a file"),
+        (lambda r: baton.Command("trunk", [None] * 6), "must be numbers"),
+        (lambda r: baton.Command("trunk", ["1"] * 6), "must be numbers"),
+        (lambda r: baton.Command("trunk", [1j] * 6), "must be numbers"),
+        (lambda r: measurement(20, age=-1.0), "age -1: must be 0 or more"),
         (lambda r: baton.Run(r, scenario="stiff", times=2.0), "stiff has no size"),
         (lambda r: baton.Run(r, 7), "world 7: must be a name or a file"),
         (lambda r: baton.Run(r, on=Mine(r), state="perfect"), "has no truth"),
@@ -205,7 +215,6 @@ def test_a_refusal_says_why(robot):
         (lambda r: baton.Run(r).advance(-1.0), "seconds -1"),
         (lambda r: baton.Run(r).advance(math.nan), "seconds nan"),
         (lambda r: baton.Run(r).advance(1e17), r"seconds 1e\+17: must be 0 … "),
-        (lambda r: baton.Run(r, on="ideal").qpos, "qpos: only of a robot on 'sim'"),
     ],
 )
 def test_wrong_input_is_named(robot, call, says):
@@ -263,7 +272,7 @@ def test_a_robot_of_ones_own_is_read_and_told(robot):
     mine = Mine(robot)
     run = baton.Run(robot, on=mine)
     run.advance(0.1)
-    assert mine.asked == 20 and run.truth is None
+    assert mine.asked == 20 and run.truth is None and run.qpos is None and run.mjcf is None
     assert mine.target.q.shape == (20,)
     q, dq, tau = robot.servo_command(mine.target)
     kp = robot.kp
@@ -370,6 +379,42 @@ def test_a_live_run_ends_while_it_plans(robot):
         for _ in range(ticks):
             run.step()
         del run
+
+
+def test_its_own_simulations_are_quiet(tmp_path):
+    code = "import baton; run = baton.Run('mighty', scenario='push', times=50.0); run.advance(6.0); print(run.fallen)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.stdout, done.stderr) == ("True\n", "") and not list(tmp_path.iterdir())
+
+
+def test_an_exception_of_an_argument_is_its_own(robot):
+    class Odd:
+        def __array__(self, *args, **kwargs):
+            raise KeyboardInterrupt
+
+        def __fspath__(self):
+            raise KeyboardInterrupt
+
+    for call in (lambda: baton.Command("trunk", Odd()), lambda: baton.Robot(Odd())):
+        with pytest.raises(KeyboardInterrupt):
+            call()
+
+
+def test_an_impossible_reading_is_never_believed(robot):
+    mine = Mine(robot)
+    run = baton.Run(robot, on=mine)
+    run.advance(0.2)
+    good = mine.inner.measurement
+    for angle in (10.0, -1e308, 1e200):
+        q = good.q.copy()
+        q[14] = angle
+        mine.read = lambda q=q: measurement(20, q=q, attitude=good.attitude, left_sole=good.left_sole, right_sole=good.right_sole)
+        events = run.advance(1.0)
+        health = [e.health for e in events if isinstance(e, baton.SensorChanged) and e.sensor == "encoders"]
+        assert health == ["bridged", "lost"]
+        assert np.isfinite(run.target.q).all() and np.isfinite(run.target.tau).all()
+        mine.read = lambda: good
+        run.advance(1.0)
 
 
 def test_warnings_of_other_simulations_stay(robot):
