@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "baton/model/robot_model.hpp"
 #include "baton/run/cpu_time.hpp"
 
 namespace baton::bench {
@@ -63,5 +64,9 @@ Rows bench_ik(const Options&);
 Rows bench_run(const Options&);
 Rows bench_baseline(const Options&);
 Rows bench_latency(const Options&);
+Rows bench_robots(const Options&);
+
+/// Inverse kinematics of a robot that walks and reaches.
+Rows ik_rows(const RobotModel& robot, const std::string& prefix);
 
 }  // namespace baton::bench

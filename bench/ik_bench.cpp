@@ -8,8 +8,7 @@
 
 namespace baton::bench {
 
-Rows bench_ik(const Options& /*unused*/) {
-  const RobotModel robot = RobotModel::load("mighty");
+Rows ik_rows(const RobotModel& robot, const std::string& prefix) {
   const World world = World::load("flat");
   Simulation simulation(robot, world, Simulation::On::ideal);
   Session& session = simulation.session();
@@ -34,8 +33,8 @@ Rows bench_ik(const Options& /*unused*/) {
   }
   InverseKinematics ik(robot);
   Kinematics kinematics(robot);
-  Row walk{"ik: a solve on a walk", {}, ""};
-  Row reach{"ik: a solve on a reach", {}, ""};
+  Row walk{prefix + "ik: a solve on a walk", {}, ""};
+  Row reach{prefix + "ik: a solve on a reach", {}, ""};
   for (Row* row : {&walk, &reach}) {
     double worst = 0.0;
     for (const Recorded& segment_record : recorded) {
@@ -64,6 +63,10 @@ Rows bench_ik(const Options& /*unused*/) {
     row->remark = fmt::format("worst residual of feet and COM {:.1e} m", worst);
   }
   return {walk, reach};
+}
+
+Rows bench_ik(const Options& /*unused*/) {
+  return ik_rows(RobotModel::load("mighty"), "");
 }
 
 }  // namespace baton::bench

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   using namespace baton::bench;
   const std::vector<std::pair<std::string, Rows (*)(const Options&)>> groups{
       {"plan", bench_plan}, {"duration", bench_duration}, {"segment", bench_segment}, {"ik", bench_ik},
-      {"run", bench_run},   {"baseline", bench_baseline}, {"latency", bench_latency}};
+      {"run", bench_run},   {"baseline", bench_baseline}, {"latency", bench_latency}, {"robots", bench_robots}};
   CLI::App app("Thread CPU times, durations, a baseline, and latencies, as one table.");
   Options options;
   std::vector<std::string> chosen;
