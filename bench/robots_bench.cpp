@@ -13,11 +13,11 @@
 namespace baton::bench {
 namespace {
 
-constexpr int kRuns = 4;           ///< with random sticks
-constexpr double kSeconds = 30.0;  ///< of each [s]
-constexpr double kWalk = 20.0;     ///< of a stick that is held forward [s]
-constexpr double kBegun = 4.0;     ///< from then on the speed is measured [s]
-constexpr std::size_t kMotions = 100;
+constexpr int kRealRuns = 4;             ///< with random sticks
+constexpr double kRandomSeconds = 30.0;  ///< of each [s]
+constexpr double kHeldSeconds = 20.0;    ///< of a stick that is held forward [s]
+constexpr double kBegun = 4.0;           ///< from then on the speed is measured [s]
+constexpr std::size_t kVerified = 100;
 
 std::vector<std::string> robots_with_models() {
   std::vector<std::string> names;
@@ -38,20 +38,20 @@ Simulation::Parameters on_real(const RobotModel& robot, std::uint64_t seed) {
 /// Speed of the COM's way while the stick is held forward.
 Row held_stick(const RobotModel& robot, const World& world) {
   Row row{robot.profile().name + ": speed with the stick held forward", {}, "", "m/s"};
-  for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
+  for (std::uint64_t seed = 0; seed < kRealRuns; ++seed) {
     Simulation simulation(robot, world, Simulation::On::sim, on_real(robot, seed));
     Session& session = simulation.session();
     Command forward;
     forward.axes[0] = 1.0;
     Vec2 from = Vec2::Zero();
-    while (session.t() < kWalk && !session.fallen()) {
+    while (session.t() < kHeldSeconds && !session.fallen()) {
       if (session.t() < kBegun) from = simulation.truth().q.head<2>();
       session.step(forward);
     }
     if (session.t() > kBegun)
       row.values.push_back((simulation.truth().q.head<2>() - from).norm() / (session.t() - kBegun));
   }
-  row.remark = fmt::format("median and best of {} plants", kRuns);
+  row.remark = fmt::format("median and best of {} plants", kRealRuns);
   return row;
 }
 
@@ -67,7 +67,7 @@ Rows rows_of(const RobotModel& robot, const World& world) {
   int falls = 0;
   long given = 0;
   long moved = 0;
-  for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
+  for (std::uint64_t seed = 0; seed < kRealRuns; ++seed) {
     Simulation simulation(robot, world, Simulation::On::sim, on_real(robot, seed));
     Session& session = simulation.session();
     const std::unique_ptr<Device> stick = stick_of(scenario_named("real"), robot, seed);
@@ -77,14 +77,14 @@ Rows rows_of(const RobotModel& robot, const World& world) {
       const auto* planned = std::get_if<PlannedMotion>(&record.answer.outcome);
       if (planned == nullptr) return;
       plan.values.push_back(record.plan_us);
-      if (verify.values.size() == kMotions) return;
+      if (verify.values.size() == kVerified) return;
       Motion motion = *planned->motion;
       time(verify,
            [&] { static_cast<void>(verifier.verify(std::move(motion), record.request.start.context.anchor, limits)); });
     };
     session.add(report);
     session.add(hooks);
-    while (session.t() < kSeconds && !session.fallen())
+    while (session.t() < kRandomSeconds && !session.fallen())
       session.step(stick->read(session.t()));
     seconds += session.t();
     falls += session.fallen() ? 1 : 0;
