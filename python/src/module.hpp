@@ -19,6 +19,7 @@
 #include <string>
 
 #include "baton/guide/command.hpp"
+#include "baton/model/contact.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/mujoco.hpp"
 #include "baton/model/robot_model.hpp"

@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "baton/ik/stand.hpp"
 #include "baton/proving/scenario.hpp"
 #include "baton/run/planning_thread.hpp"
 #include "baton/run/simulation.hpp"
