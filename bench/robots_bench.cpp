@@ -17,7 +17,7 @@ constexpr int kRealRuns = 4;             ///< with random sticks
 constexpr double kRandomSeconds = 30.0;  ///< of each [s]
 constexpr double kHeldSeconds = 20.0;    ///< of a stick that is held forward [s]
 constexpr double kBegun = 4.0;           ///< from then on the speed is measured [s]
-constexpr std::size_t kVerified = 100;
+constexpr std::size_t kVerified = 100;   ///< motions whose verification is timed
 
 std::vector<std::string> robots_with_models() {
   std::vector<std::string> names;
@@ -35,7 +35,7 @@ Simulation::Parameters on_real(const RobotModel& robot, std::uint64_t seed) {
   return parameters;
 }
 
-/// Speed of the COM's way while the stick is held forward.
+/// Speed at which the first body gets ahead while the stick is held forward: its displacement over the time.
 Row held_stick(const RobotModel& robot, const World& world) {
   Row row{robot.profile().name + ": speed with the stick held forward", {}, "", "m/s"};
   for (std::uint64_t seed = 0; seed < kRealRuns; ++seed) {

@@ -51,9 +51,9 @@ class SensorCheck {
   /// robot and for sensors that are not used. Called once a tick; allocates nothing after the first.
   ///
   /// A measurement that is the same as the one before, while the plan moves, is late: all of it is predicted.
-  /// - Joint angles: within the joint's range, but for zero errors, a change that the speed explains, not constant
-  /// while the plan moves. Prediction: the last
-  ///   angle, moved at the planned speed. An angle that jumped is believed once it has been steady for 0.3 s.
+  /// - Joint angles: at most 0.3 rad outside the range; a change that the speed explains; not constant while the plan
+  ///   moves. Prediction: the last angle, moved at the planned speed. An angle that jumped is believed once it has been
+  ///   steady for 0.3 s.
   /// - Joint speeds: finite, within the motor's speed, and on average the change of the angle. Prediction: planned.
   /// - IMU: `ImuCheck`. Forces and motor torques: `ForceCheck`. Prediction of these two: planned.
   ///
