@@ -16,7 +16,8 @@ constexpr int kCorrections = 2;          ///< iterations of the correction for t
 constexpr double kRestTolerance = 1e-5;  ///< joint error of inverse kinematics allowed at a rest while retracing [rad]
 constexpr int kMostRests = 8;            ///< planned rests tried on a retrace path that fails as a whole
 constexpr int kMostParts = 3;            ///< verified parts of a retrace path; each may cost as much as the whole
-constexpr int kMostVain = 2;  ///< surveys in a row after which a torque counts as independent of the duration
+constexpr int kMostVain = 2;             ///< failures in a row after which a load counts as independent of the duration
+constexpr double kJump = 2.0;  ///< acceleration from which that is certain of a joint [limit]; less varies by chance
 // Search for the shortest duration.
 constexpr double kGrowth = 1.2;       ///< least factor from a failed duration to the next
 constexpr double kSlower = 1.5;       ///< the same after a failure that does not depend on time
@@ -40,13 +41,14 @@ double stretch_for(const Refusal& refusal) {
   }
 }
 
-/// From the survey results of two durations: whether a joint is overloaded at any duration. A load has one part that
-/// scales with 1/T² and a constant one.
+/// From the refusals of two durations: whether a joint's torque or acceleration is too large at any duration. It has
+/// one part that scales with 1/T² and a constant one, as a jump of the inverse kinematics is.
 bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) {
-  if (first.reason != Reason::joint_torque || second.reason != first.reason || second.where != first.where)
-    return false;
+  if (second.reason != first.reason || second.where != first.where) return false;
+  const bool torque = first.reason == Reason::joint_torque;
+  if (!torque && first.reason != Reason::joint_acceleration) return false;
   const double stays = (T2 * T2 * second.value - T1 * T1 * first.value) / (T2 * T2 - T1 * T1);
-  return stays > kTorqueTolerance * second.limit;
+  return stays > (torque ? kTorqueTolerance : kJump) * second.limit;
 }
 
 /// The first `ticks` of a reversed motion, continued by `end`.
@@ -81,22 +83,22 @@ PlanResult Planner::by_paper(Task& task) {
   const double period = robot_->profile().tick.period;
   std::optional<Failure> failure;
   double certain = 0.0;                              // shorter durations certainly fail
-  std::optional<std::pair<double, Refusal>> before;  // last survey that failed, and why
-  int vain = 0;                                      // consecutive surveys that indicate that no duration works
+  std::optional<std::pair<double, Refusal>> before;  // last duration that failed, and why
+  int vain = 0;                                      // consecutive failures that indicate that no duration works
   for (double T = task.segment.first_duration(); T <= duration.max + 1e-9; T += duration.step) {
     if (T < certain) continue;
     const int ticks = static_cast<int>(std::lround(T / period));
     Candidate candidate{timing_by_shares(task.segment.com().phases, ticks, period)};
     failure = evaluate(task, candidate);
-    vain = failure && before && in_vain(before->first, before->second, T, failure->refusal) ? vain + 1 : 0;
-    if (vain == kMostVain) break;
-    if (failure) before = {T, failure->refusal};
     if (!failure) {
       std::variant<PlannedMotion, Failure> finished = finish(task, candidate);
       if (auto* planned = std::get_if<PlannedMotion>(&finished)) return std::move(*planned);
       failure = std::get<Failure>(std::move(finished));
     }
     if (failure->stretch == 0.0) break;
+    vain = before && in_vain(before->first, before->second, T, failure->refusal) ? vain + 1 : 0;
+    if (vain == kMostVain) break;
+    before = {T, failure->refusal};
     task.not_shorter = failure->refusal;
     if (failure->refusal.reason == Reason::joint_speed) certain = std::min(failure->stretch * T, duration.max);
   }
