@@ -6,11 +6,14 @@
 namespace baton {
 namespace {
 
-constexpr double kVelocityRate = 3.3;      ///< at which the velocity follows that of the soles in contact [ω]
+constexpr double kVelocityRate = 1.5;      ///< at which the velocity follows that of the soles in contact [ω]
+constexpr double kUsualOff = 0.03;         ///< beyond this it follows more slowly [COM height × ω]
+constexpr double kUnusual = 0.3;           ///< share of that rate there
+constexpr double kMoves = 0.03;            ///< speed from which a sole in contact is taken to move [COM height × ω]
 constexpr double kFootholdRate = 1.6;      ///< at which the foothold of a sole with little load follows the sole [ω]
 constexpr double kLightHeightRate = 16.0;  ///< added for its height, with no load at all: it may not stand yet [ω]
 constexpr double kLight = 0.15;            ///< load below which some of that is added, share of the weight
-constexpr double kPivots = 0.4;  ///< load below which a tilting sole pivots about its pressure, share of the weight
+constexpr double kPivots = 0.4;            ///< load below which a tilting sole pivots about its pressure
 
 }  // namespace
 
@@ -48,8 +51,16 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
       velocity -= share(side) * velocity_from_root[side];
     }
     place_ = place;
-    velocity_ +=
-        first ? Vec3(velocity - velocity_) : Vec3(period_ * kVelocityRate * robot_->omega() * (velocity - velocity_));
+    const double unit = robot_->omega() * robot_->profile().stance.com_height;
+    const Vec3 off = velocity - velocity_;
+    const Vec3 follows = bounded(off, kUsualOff * unit) + kUnusual * beyond(off, kUsualOff * unit);
+    velocity_ += first ? off : Vec3(period_ * kVelocityRate * robot_->omega() * follows);
+    // Faster than it can be wrong about the velocity, a sole slides, or a motor crosses its play: not the root moves.
+    for (const Side side : kSides) {
+      if (share(side) < kPivots || !touched_before_[side] || first) continue;
+      const Vec3 moves = beyond(Vec3(velocity_ + velocity_from_root[side]), kMoves * unit);
+      foothold_[side].head<2>() += period_ * moves.head<2>();
+    }
   } else {
     place_ += period_ * velocity_;
   }

@@ -240,7 +240,8 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
 }
 
 TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
-  // Down the room's steps and on to the wall: at the edges the way back is a matter of millimetres.
+  // Down the room's steps and on to the wall: the estimate is off by more than the edges' margins when it is back
+  // there.
   const Scratch scratch;
   const std::string script = R"({"t": 0.1, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
 {"t": 11.1}
@@ -248,15 +249,15 @@ TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
 )";
   const std::string file = scratch.path("r.json");
   const auto x = [&](const std::string& seconds) {
-    const Outcome outcome = run({"drive", "--world", "room", "--plant", "model", "--fast", "--seconds", seconds,
-                                 "--input", "script:" + scratch.write("s.jsonl", script), "--report", file});
+    const Outcome outcome = run({"drive", "--world", "room", "--plant", "real", "--seed", "4", "--fast", "--seconds",
+                                 seconds, "--input", "script:" + scratch.write("s.jsonl", script), "--report", file});
     EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
     return scratch.json("r.json")["final"]["com"][0].get<double>();
   };
   const double there = x("14");
   EXPECT_GT(there, 0.8);
   EXPECT_LT(x("34"), 0.35) << "back at the steps";
-  EXPECT_EQ(scratch.json("r.json")["segments"]["shrunk"].value("ground", 0), 1) << "and it says why no farther";
+  EXPECT_GE(scratch.json("r.json")["segments"]["shrunk"].value("ground", 0), 1) << "and it says why no farther";
 }
 
 TEST(Recall, RetraceEndsWhenItIsLetGo) {

@@ -100,6 +100,12 @@ class OdometryTest : public testing::TestWithParam<std::string> {
     return measured;
   }
 
+  /// A configuration with other joint angles.
+  static VecX with_joints(VecX q, const VecX& joints) {
+    q.tail(joints.size()) = joints;
+    return q;
+  }
+
   const RobotModel& robot_ = test::robot(GetParam());
   const World world_ = World::load("flat");
   const double size_ = robot_.profile().stance.com_height;
@@ -169,7 +175,7 @@ TEST_P(OdometryTest, WhateverTheStickAsksForItStraysNoFartherThanThePlanMay) {
     const RootMeasurement& truth = *moment.measured.root;
     ASSERT_LT((found.root->pose.p - truth.pose.p).norm(), 8.0 * robot_.profile().ik.position) << moment.measured.t;
     ASSERT_LT((found.root->pose.R - truth.pose.R).norm(), 3e-3);
-    ASSERT_LT((found.root->velocity - truth.velocity).norm(), 1e-3 * speed_) << moment.measured.t;
+    ASSERT_LT((found.root->velocity - truth.velocity).norm(), 1.2e-3 * speed_) << moment.measured.t;
     ASSERT_LT((found.root->rate - truth.rate).norm(), 1e-9);
     ASSERT_EQ(found.q, moment.measured.q);
     on_one_leg += moment.planned.contact.left && moment.planned.contact.right ? 0 : 1;
@@ -342,22 +348,27 @@ TEST_P(OdometryTest, ALightlyLoadedSoleThatTiltsPivotsAboutItsCentreOfPressure) 
     const Vec3 edge = fore_and_aft ? Vec3(corner.x(), 0, 0) : Vec3(0, corner.y(), 0);
     const Vec3 axis = sole * (fore_and_aft ? Vec3::UnitY() : Vec3(-Vec3::UnitX()));  // up at the far side
     Odometry odometry(robot_, world_, StateSource::sensors, home_);
+    const auto side_at = [](double tick) { return std::sin(2.0 * M_PI * tick / 60.0) < 0.0 ? -1.0 : 1.0; };
+    const auto turned = [&](double tick) {
+      return rotation_exp(0.015 * std::pow(std::sin(2.0 * M_PI * tick / 60.0), 2) * side_at(tick) * axis);
+    };
+    const auto root = [&](double tick) {
+      const Vec3 fixed = load < 0.4 ? Vec3(side_at(tick) * edge) : Vec3::Zero();  // one that is pushed rolls and yields
+      const Vec3 pivot = home_.sole.left.p + sole * fixed;
+      return Pose{pivot + turned(tick) * (home_.q.head<3>() - pivot), turned(tick) * upright};
+    };
+    const auto imu = [&](double tick) { return root(tick) * *robot_.imu_in_root(); };
     for (int tick = 0; tick < 600; ++tick) {  // from edge to edge, ten times
       const double phase = 2.0 * M_PI * tick / 60.0;
-      const double side = std::sin(phase) < 0.0 ? -1.0 : 1.0;
-      const double tilt = 0.015 * std::pow(std::sin(phase), 2) * side;
-      const double rate = 0.015 * 2.0 * std::sin(phase) * std::cos(phase) * 2.0 * M_PI / 60.0 / period_ * side;
-      const Mat3 R = rotation_exp(tilt * axis);
+      const double rate = 0.015 * 2.0 * std::sin(phase) * std::cos(phase) * 2.0 * M_PI / 60.0 / period_ * side_at(tick);
       Measurement measured = loaded(still, load, 0.0);
-      measured.imu.attitude = R * upright;
+      measured.imu.attitude = imu(tick).R;
       measured.imu.rate = measured.imu.attitude.transpose() * (rate * axis);
-      measured.imu.acceleration = measured.imu.attitude.transpose() * Vec3(0, 0, kGravity);
-      const Vec3 force = (R * sole).transpose() * Vec3(0, 0, load * weight_);
-      measured.sole.left = {force, Vec3(side * edge).cross(force)};
-      const Vec3 fixed = load < 0.4 ? Vec3(side * edge) : Vec3::Zero();  // one that is pushed rolls and yields
-      const Vec3 pivot = home_.sole.left.p + sole * fixed;
-      const Vec3 truth = pivot + R * (home_.q.head<3>() - pivot);
-      ASSERT_LT((feed(odometry, measured, held).root->pose.p - truth).norm(), 2e-3 * size_) << tick;
+      const Vec3 acceleration = (imu(tick + 1).p - 2.0 * imu(tick).p + imu(tick - 1).p) / (period_ * period_);
+      measured.imu.acceleration = measured.imu.attitude.transpose() * (acceleration + Vec3(0, 0, kGravity));
+      const Vec3 force = (turned(tick) * sole).transpose() * Vec3(0, 0, load * weight_);
+      measured.sole.left = {force, Vec3(side_at(tick) * edge).cross(force)};
+      ASSERT_LT((feed(odometry, measured, held).root->pose.p - root(tick).p).norm(), 2e-3 * size_) << tick;
     }
   }
 }
@@ -542,6 +553,46 @@ TEST_P(OdometryTest, PlayInTheJointsDoesNotLeadItAstray) {
   EXPECT_GT(way, 4.0 * size_);
   EXPECT_LT(error, 0.012 * way);
   EXPECT_GT(uncorrected, 2.0 * error);
+}
+
+TEST_P(OdometryTest, AMotorThatCrossesItsPlayMovesTheRootLittle) {
+  // While it stands, the encoders of one leg turn within 30 ms, as when load passes from one leg to the other.
+  const double unit = size_ * robot_.omega();
+  int crossed = 0;
+  double share = 0.0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Odometry odometry(robot_, world_, StateSource::sensors, home_);
+    const MotionSample planned = resting(robot_, home_);
+    IdealRobot body(robot_, home_, period_);
+    Measurement measured = loaded(body.read(), 0.5, 0.5);
+    const Side side = trial % 2 == 0 ? Side::left : Side::right;
+    VecX turns = VecX::Zero(n_);
+    for (const int j : robot_.leg(side))
+      turns[j] = random_(-0.015, 0.015);
+    const auto sole_from_root = [&] { return posture_of(robot_, with_joints(home_.q, measured.q)).sole[side].p; };
+    for (int tick = 0; tick < 20; ++tick)
+      static_cast<void>(feed(odometry, measured, planned));
+    const Vec3 before = sole_from_root();
+    constexpr double kSeconds = 0.03;
+    double fastest = 0.0;
+    for (int tick = 0; tick < 60; ++tick) {
+      measured.t += period_;
+      const bool turning = (tick + 1) * period_ <= kSeconds + 1e-9;
+      measured.dq = turning ? VecX(turns / kSeconds) : VecX(VecX::Zero(n_));
+      measured.q += period_ * measured.dq;
+      const Measurement& found = feed(odometry, measured, planned);
+      fastest = std::max(fastest, found.root->velocity.head<2>().norm());
+    }
+    const Vec3 seems = sole_from_root() - before;
+    if (seems.head<2>().norm() < 0.06 * unit * kSeconds) continue;
+    ++crossed;
+    const Vec3 root = feed(odometry, measured, planned).root->pose.p - home_.q.head<3>();
+    // It stands on both, so half of it by either; and 20 /s of half of it, with a filter that follows all of the speed.
+    share += root.head<2>().norm() / seems.head<2>().norm();
+    EXPECT_LT(fastest, 0.015 * unit) << trial;
+  }
+  EXPECT_GT(crossed, 30);
+  EXPECT_LT(share / crossed, 0.42);
 }
 
 TEST_P(OdometryTest, PerfectIsWhatIsMeasured) {
