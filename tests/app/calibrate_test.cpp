@@ -82,9 +82,9 @@ TEST(Calibrate, ACalibratedRobotDrivesAndItsRecordingReplays) {
 }
 
 TEST(Calibrate, WritesNothingIfTheReadingsContradictEachOther) {
-  const Scratch scratch;  // four times the play that the profile states
+  const Scratch scratch;  // five times the play that the profile states
   const Outcome outcome =
-      run({"calibrate", "--out", scratch.path("c.toml"), "--scenario", "backlash", "--times", "2", "--seed", "1"});
+      run({"calibrate", "--out", scratch.path("c.toml"), "--scenario", "backlash", "--times", "2.5", "--seed", "1"});
   EXPECT_EQ(outcome.code, app::kFailed);
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("contradict"), HasSubstr("no calibration")));
   EXPECT_FALSE(std::filesystem::exists(scratch.path("c.toml")));
