@@ -13,7 +13,7 @@ constexpr double kMoves = 0.03;            ///< speed from which a sole in conta
 constexpr double kFootholdRate = 1.6;      ///< at which the foothold of a sole with little load follows the sole [ω]
 constexpr double kLightHeightRate = 16.0;  ///< added for its height, with no load at all: it may not stand yet [ω]
 constexpr double kLight = 0.15;            ///< load below which some of that is added, share of the weight
-constexpr double kPivots = 0.4;            ///< load below which a tilting sole pivots about its pressure
+constexpr double kPivots = 0.4;            ///< load below which a tilting sole pivots about its pressure [weight]
 
 }  // namespace
 
@@ -55,7 +55,7 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
     const Vec3 off = velocity - velocity_;
     const Vec3 follows = bounded(off, kUsualOff * unit) + kUnusual * beyond(off, kUsualOff * unit);
     velocity_ += first ? off : Vec3(period_ * kVelocityRate * robot_->omega() * follows);
-    // Faster than it can be wrong about the velocity, a sole slides, or a motor crosses its play: not the root moves.
+    // Faster than the velocity can be wrong: the sole slides, or a motor crosses its play, and the root does not move.
     for (const Side side : kSides) {
       if (share(side) < kPivots || !touched_before_[side] || first) continue;
       const Vec3 moves = beyond(Vec3(velocity_ + velocity_from_root[side]), kMoves * unit);

@@ -352,7 +352,7 @@ TEST_P(OdometryTest, ALightlyLoadedSoleThatTiltsPivotsAboutItsCentreOfPressure) 
     const auto turned = [&](double tick) {
       return rotation_exp(0.015 * std::pow(std::sin(2.0 * M_PI * tick / 60.0), 2) * side_at(tick) * axis);
     };
-    const auto root = [&](double tick) {
+    const auto root = [&, load = load](double tick) {
       const Vec3 fixed = load < 0.4 ? Vec3(side_at(tick) * edge) : Vec3::Zero();  // one that is pushed rolls and yields
       const Vec3 pivot = home_.sole.left.p + sole * fixed;
       return Pose{pivot + turned(tick) * (home_.q.head<3>() - pivot), turned(tick) * upright};
