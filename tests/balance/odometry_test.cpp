@@ -587,7 +587,7 @@ TEST_P(OdometryTest, AMotorThatCrossesItsPlayMovesTheRootLittle) {
     if (seems.head<2>().norm() < 0.06 * unit * kSeconds) continue;
     ++crossed;
     const Vec3 root = feed(odometry, measured, planned).root->pose.p - home_.q.head<3>();
-    // It stands on both, so half of it by either; and 20 /s of half of it, with a filter that follows all of the speed.
+    // Both soles carry the same: believed in full, one that seems to move takes the root half of the way with it.
     share += root.head<2>().norm() / seems.head<2>().norm();
     EXPECT_LT(fastest, 0.015 * unit) << trial;
   }

@@ -123,7 +123,7 @@ TEST_P(PlannerTest, ALoadIsSeldomRefusedWhereALongerDurationWouldDo) {
   const Guide guide(robot_, world_);
   Planner paper(robot_, world_, DurationRule::paper);
   Planner search(robot_, world_, DurationRule::search);
-  const auto expect_seldom = [&](Reason reason, std::initializer_list<double> shares, auto limit_of) {
+  const auto expect_seldom = [&](Reason reason, std::initializer_list<double> shares, auto limit_of, int least) {
     std::mt19937_64 random(37);
     int refused = 0;
     int found = 0;
@@ -145,13 +145,14 @@ TEST_P(PlannerTest, ALoadIsSeldomRefusedWhereALongerDurationWouldDo) {
         }
       }
     }
-    EXPECT_GT(refused, 10) << to_string(reason);
+    EXPECT_GT(refused, least) << to_string(reason);
     EXPECT_LE(found, refused / 20) << to_string(reason) << ", of " << refused;
   };
   // Enough for some of it.
-  expect_seldom(Reason::joint_torque, {0.44, 0.5, 0.56, 0.67}, [](Limits& l) -> double& { return l.torque; });
-  expect_seldom(Reason::joint_acceleration, {0.02, 0.04, 0.06, 0.1},
-                [](Limits& l) -> double& { return l.acceleration; });
+  expect_seldom(
+      Reason::joint_torque, {0.44, 0.5, 0.56, 0.67}, [](Limits& l) -> double& { return l.torque; }, 20);
+  expect_seldom(
+      Reason::joint_acceleration, {0.02, 0.04, 0.06, 0.1}, [](Limits& l) -> double& { return l.acceleration; }, 10);
 }
 
 TEST_P(PlannerTest, AFootInTheAirThatLandsBesideGoesThereBeforeItSinks) {
