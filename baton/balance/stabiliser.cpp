@@ -9,8 +9,6 @@ namespace {
 constexpr double kIntegralTime = 3.0;  ///< integral time of the servo's torque [1/ω]
 constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak [1/ω]
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
-constexpr double kAttitude = 0.5;      ///< moment by the trunk's attitude error [weight × COM height per rad]
-constexpr double kTrunkRate = 0.4;     ///< moment by its rate error [weight × COM height per ω]
 constexpr double kOffsetFirst = 1.2;   ///< low-pass of the COM offset at first [1/ω]
 constexpr double kOffsetTime = 12.0;   ///< the same at last
 constexpr double kSettling = 3.0;      ///< longest wait for the COM offset, after a start [1/ω]
@@ -18,6 +16,18 @@ constexpr double kSettled = 0.22;      ///< distance of the ZMP from its average
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
 constexpr double kOffsetBand = 0.072;  ///< dead band of the COM offset [half-width of a sole]
 constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
+
+/// Moments by the trunk's errors of attitude and rate [weight × COM height per rad, per ω].
+struct TrunkGains {
+  double attitude, rate;
+};
+constexpr TrunkGains kStiffTrunk{2.0, 1.0};
+constexpr TrunkGains kWaist{0.5, 0.4};  ///< a pelvis below a waist shakes with more
+
+/// Whether joints lie between the root, which the legs carry, and the trunk.
+bool has_waist(const RobotModel& robot) {
+  return robot.dofs_to(robot.trunk_body()).size() > 6;
+}
 
 }  // namespace
 
@@ -27,11 +37,11 @@ Stabiliser::Stabiliser(const RobotModel& robot)
       footing_(robot),
       distribution_(robot),
       friction_(robot),
+      waist_(has_waist(robot)),
       averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
   commanded_ = servo_error_ = integral_torque_ = unloaded_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
-  acceleration_ = inertial_ = VecX::Zero(robot.nv());
   for (int j = 0; j < robot.nv() - 6; ++j) {
     const auto moves = [&](Side side) { return std::ranges::count(robot.dofs_to(robot.foot_body(side)), 6 + j) > 0; };
     if (!moves(Side::left) && !moves(Side::right)) upper_.push_back(j);
@@ -76,7 +86,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
     const double damping = robot_->joints()[static_cast<std::size_t>(j)].motor.damping;
     unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + learned_torque(j, next.dq[6 + j]);
   }
-  carry_upper_body(next, force, turning);
+  carry_upper_body(force, turning);
   const BySide<Wrench> shared = distribution_.share(kinematics_, next.sole, next.contact, total, unloaded_);
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
@@ -90,17 +100,12 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   return target_;
 }
 
-void Stabiliser::carry_upper_body(const MotionSample& next, const Vec3& force, const Vec3& moment) {
+void Stabiliser::carry_upper_body(const Vec3& force, const Vec3& moment) {
   if (force.isZero(0.0) && moment.isZero(0.0)) return;
   // As if it turned and moved as one with the body.
   const Vec3 turn = kinematics_.inertia().ldlt().solve(moment);
   const Vec3 push = force / robot_->mass() - turn.cross(kinematics_.com() - kinematics_.body(1).p);
-  acceleration_ = next.ddq;
-  acceleration_.head<3>() += push;
-  acceleration_.segment<3>(3) += kinematics_.body(1).R.transpose() * turn;
-  kinematics_.inverse_dynamics(next.q, next.dq, acceleration_, inertial_);
-  for (const int j : upper_)
-    unloaded_[j] += inertial_[6 + j] - next.force[6 + j];
+  kinematics_.add_rigid_acceleration(push, turn, upper_, unloaded_);
 }
 
 double Stabiliser::spare_torque(int joint) const {
@@ -116,7 +121,8 @@ double Stabiliser::learned_torque(int joint, double planned_speed) const {
 Vec2 Stabiliser::attitude_moment(const Mat3& trunk, const State& state) const {
   const double unit = robot_->mass() * kGravity * robot_->profile().stance.com_height;
   const Vec3 rate = rotation_error(trunk, trunk_) / robot_->profile().tick.period - state.trunk_rate;
-  const Vec3 moment = kAttitude * rotation_error(trunk_, state.trunk) + kTrunkRate / robot_->omega() * rate;
+  const TrunkGains& gains = waist_ ? kWaist : kStiffTrunk;
+  const Vec3 moment = gains.attitude * rotation_error(trunk_, state.trunk) + gains.rate / robot_->omega() * rate;
   return unit * moment.head<2>();
 }
 

@@ -49,7 +49,7 @@ class Stabiliser {
   /// Adds to `unloaded_` what makes waist, neck and arms follow when the wrench from the ground accelerates the body:
   /// the legs act on the first body alone.
   /// @param force, moment correction of that wrench, moment about the COM [N, N·m]
-  void carry_upper_body(const MotionSample& next, const Vec3& force, const Vec3& moment);
+  void carry_upper_body(const Vec3& force, const Vec3& moment);
   /// Updates friction and integral action of the joints.
   void update_joints(const MotionSample& now, const State& state);
   /// What verified motions leave of a joint's stall torque [N·m].
@@ -68,8 +68,7 @@ class Stabiliser {
   VecX integral_torque_;           ///< torque of the integral action (n) [N·m]
   JointFriction friction_;
   std::vector<int> upper_;  ///< joints that move neither foot
-  VecX acceleration_;       ///< of the corrected motion (nv)
-  VecX inertial_;           ///< generalised forces of the corrected motion (nv)
+  bool waist_;              ///< whether joints lie between the root and the trunk
   BySide<Wrench> wanted_;   ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre
   bool first_ = true;
   JointTarget target_;

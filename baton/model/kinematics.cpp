@@ -13,6 +13,21 @@ Mat3 matrix(const mjtNum* quat) {
   return Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix();
 }
 
+/// R ← R · rotation by `angle` about the unit vector `axis`, most often a coordinate axis.
+void turn(Mat3& R, const Vec3& axis, double angle) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(axis[i]) != 1.0) continue;
+    const double c = std::cos(angle);
+    const double s = axis[i] * std::sin(angle);
+    const Vec3 next = R.col((i + 1) % 3);
+    const Vec3 last = R.col((i + 2) % 3);
+    R.col((i + 1) % 3) = c * next + s * last;
+    R.col((i + 2) % 3) = c * last - s * next;
+    return;
+  }
+  R *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
 }  // namespace
 
 Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeData(&robot.mj())), q_(robot.nq()) {
@@ -24,6 +39,7 @@ Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeD
   }
   link_.resize(fixed_rotation_.size());
   subtree_.resize(fixed_rotation_.size());
+  carried_.resize(fixed_rotation_.size());
   axis_.resize(static_cast<std::size_t>(m.nv));
 }
 
@@ -46,7 +62,7 @@ void Kinematics::set(const VecX& q) {
       if (off_centre) p += R * anchor;
       axis_[static_cast<std::size_t>(m.jnt_dofadr[j])] = {R.lazyProduct(direction), p};
       const double angle = q[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
-      R *= Eigen::AngleAxisd(angle, direction).toRotationMatrix();
+      turn(R, direction, angle);
       if (off_centre) p -= R * anchor;
     }
     link_[i] = {p, R};
@@ -83,11 +99,37 @@ Mat3 Kinematics::inertia() const {
   for (int b = 1; b < m.nbody; ++b) {
     const auto i = static_cast<std::size_t>(b);
     const Vec3 at = link_[i] * vec3(m.body_ipos + 3 * b) - centre;
-    const Mat3 axes = link_[i].R * inertia_axes_[i];
-    sum += axes * vec3(m.body_inertia + 3 * b).asDiagonal() * axes.transpose();
+    sum += link_inertia(b);
     sum += m.body_mass[b] * (at.squaredNorm() * Mat3::Identity() - at * at.transpose());
   }
   return sum;
+}
+
+Mat3 Kinematics::link_inertia(int id) const {
+  const Mat3 axes = body(id).R * inertia_axes_[static_cast<std::size_t>(id)];
+  return axes * vec3(robot_->mj().body_inertia + 3 * id).asDiagonal() * axes.transpose();
+}
+
+void Kinematics::add_rigid_acceleration(const Vec3& acceleration, const Vec3& angular, const std::vector<int>& joints,
+                                        VecX& torque) {
+  const mjModel& m = robot_->mj();
+  const Vec3 root = body(1).p;
+  for (int b = 1; b < m.nbody; ++b) {
+    const Vec3 at = body(b) * vec3(m.body_ipos + 3 * b) - root;
+    const Vec3 force = m.body_mass[b] * (acceleration + angular.cross(at));
+    carried_[static_cast<std::size_t>(b)] = {force, link_inertia(b) * angular + at.cross(force)};
+  }
+  for (int b = m.nbody - 1; b > 1; --b) {
+    const Carried& link = carried_[static_cast<std::size_t>(b)];
+    Carried& parent = carried_[static_cast<std::size_t>(m.body_parentid[b])];
+    parent.force += link.force;
+    parent.moment += link.moment;
+  }
+  for (const int j : joints) {
+    const Axis& axis = dof_axis(6 + j);
+    const Carried& link = carried_[static_cast<std::size_t>(m.dof_bodyid[6 + j])];
+    torque[j] += axis.direction.dot(link.moment - (axis.point - root).cross(link.force));
+  }
 }
 
 void Kinematics::com_jacobian(Eigen::Ref<JacobianRows> rows) const {

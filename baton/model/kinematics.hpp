@@ -53,11 +53,26 @@ class Kinematics {
   /// origin in its own frame 3 [N·m], joint torques [N·m]
   void inverse_dynamics(const VecX& q, const VecX& dq, const VecX& ddq, VecX& force);
 
+  /// Adds to joint torques what an additional acceleration of the whole robot, as if it were one rigid body, asks of
+  /// some joints: the root's columns of the inertia matrix.
+  /// @param acceleration, angular of the root's origin and of the body, in the world [m/s², rad/s²]
+  /// @param joints whose torques are wanted
+  /// @param torque of all joints (nv − 6) [N·m]
+  void add_rigid_acceleration(const Vec3& acceleration, const Vec3& angular, const std::vector<int>& joints,
+                              VecX& torque);
+
   /// Least distance over the model's self-collision pairs, at most `limit` [m].
   /// @param geoms receives the closest pair, if it is closer than `limit`
   [[nodiscard]] double self_distance(double limit, std::array<int, 2>* geoms = nullptr) const;
 
  private:
+  /// What accelerates a link and its descendants: force, moment about the root's origin [N, N·m, world].
+  struct Carried {
+    Vec3 force, moment;
+  };
+
+  /// Inertia of a link about its COM, in the axes of the world [kg·m²].
+  [[nodiscard]] Mat3 link_inertia(int id) const;
   /// Computes the mass moments of the subtrees, on first use after `set`.
   void sum_subtrees() const;
   /// Runs MuJoCo's kinematics, on first use after `set`: it takes longer than ours.
@@ -71,6 +86,7 @@ class Kinematics {
   std::vector<Pose> link_;
   std::vector<Axis> axis_;             ///< by degree of freedom
   mutable std::vector<Vec3> subtree_;  ///< mass × COM of each link and its descendants [kg m]
+  std::vector<Carried> carried_;       ///< by link
   mutable bool subtrees_valid_ = false;
   mutable bool mujoco_valid_ = false;
 };

@@ -112,6 +112,7 @@ std::optional<GroundPoint> World::ground(const Vec2& at) const {
   if (!highest) return highest;
   // The foot of a higher face is an edge, too.
   for (const GroundFace& face : faces_) {
+    if (face.normal.z() == 1.0 && face.point.z() <= highest->height) continue;  // level, and no higher
     const double outside = face.outline.margin(at);
     if (outside >= 0.0) continue;
     const Vec2 nearest = face.outline.nearest(at);
