@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "app/commands.hpp"
+#include "app/options.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 
@@ -123,15 +124,40 @@ void add_calibration(CLI::App& command, std::optional<std::filesystem::path>& fi
   command.add_option("--calibration", file, "Constant errors of the sensors: a .toml file by baton calibrate");
 }
 
+void add_token(CLI::App& command, std::optional<std::filesystem::path>& file) {
+  command.add_option("--token", file, "File that holds the token of the robot's end");
+}
+
+void add_robot(CLI::App& command, RobotOptions& o) {
+  command.add_flag("--sim", o.sim, "The simulated robot");
+  command.add_option("--robot", o.robot, "Robot")->capture_default_str();
+  command.add_option("--world", o.world, "World in which it stands")->capture_default_str();
+  add_physics(command, o.physics);
+  command.add_option("--seed", o.seed, "Seed of plant and scenario")
+      ->capture_default_str()
+      ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
+  command.add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
+      ->capture_default_str();
+  add_token(command, o.token);
+}
+
 void add_drive(CLI::App& command, DriveOptions& o) {
   command
       .add_option("--robot", o.robot,
                   "Robot: a folder of robots/, a profile's .toml file, or a model's .xml or .urdf file")
       ->capture_default_str();
   command.add_option("--world", o.world, "World: a name in worlds/, or an .xml file")->capture_default_str();
-  command.add_option("--on", o.on, "sim: physics; ideal: joints track their targets exactly")
+  command
+      .add_option("--on", o.on,
+                  "sim: physics; ideal: joints track their targets exactly; tcp://HOST:PORT: a robot's end there")
       ->capture_default_str()
-      ->check(CLI::IsMember({"sim", "ideal"}));
+      ->check(CLI::Validator(
+          [](const std::string& on) -> std::string {
+            if (on == "sim" || on == "ideal" || is_address(on)) return "";
+            return fmt::format("{} is not sim, ideal or tcp://HOST:PORT", shortened(on, 40));
+          },
+          "", ""));
+  add_token(command, o.token);
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
   add_modes(command, o.modes);
   add_physics(command, o.physics);
@@ -254,6 +280,15 @@ int parse_and_run(std::vector<std::string> args) {
 
   CLI::App* robots_command = app.add_subcommand("robots", "List the robots that --robot knows by name");
 
+  RobotOptions robot_options;
+  CLI::App* robot_command = app.add_subcommand("robot", "Be the robot's end of a connection, for drive --on tcp://...");
+  add_robot(*robot_command, robot_options);
+
+  DampOptions damp_options;
+  CLI::App* damp_command = app.add_subcommand("damp", "Let a robot's motors only brake, whoever drives it");
+  damp_command->add_option("address", damp_options.address, "The robot's end: tcp://HOST:PORT")->required();
+  add_token(*damp_command, damp_options.token);
+
   PlanOptions plan_options;
   CLI::App* plan_command = app.add_subcommand("plan", "Show what a script would do, segment by segment, as JSON");
   plan_command->add_option("script", plan_options.script, "Stick script (JSON Lines)")->required();
@@ -339,6 +374,8 @@ int parse_and_run(std::vector<std::string> args) {
   if (calibrate_command->parsed()) return calibrate(calibrate_options);
   if (check_command->parsed()) return check(check_options);
   if (robots_command->parsed()) return robots();
+  if (robot_command->parsed()) return robot(robot_options);
+  if (damp_command->parsed()) return damp(damp_options);
   if (plan_command->parsed()) return plan(plan_options);
   if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);

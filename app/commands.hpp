@@ -72,7 +72,23 @@ struct DriveOptions {
   bool fast = false;
   int port = 8080;
   std::optional<std::filesystem::path> calibration;
+  std::optional<std::filesystem::path> token;  ///< file that holds what the robot's end wants to know
   FileOptions files;
+};
+
+struct RobotOptions {
+  bool sim = false;
+  std::string robot = "mighty";
+  std::string world = "room";
+  PhysicsOptions physics;
+  long seed = 0;
+  std::string listen = "127.0.0.1:7447";
+  std::optional<std::filesystem::path> token;  ///< file that holds what drivers must know
+};
+
+struct DampOptions {
+  std::string address;
+  std::optional<std::filesystem::path> token;
 };
 
 struct PlanOptions {
@@ -141,8 +157,10 @@ struct ReplayOptions {
 int calibrate(const CalibrateOptions& options);
 int check(const CheckOptions& options);
 int robots();
+int damp(const DampOptions& options);
 int drive(const DriveOptions& options);
 int replay(const ReplayOptions& options);
+int robot(const RobotOptions& options);
 int plan(const PlanOptions& options);
 int verify(const VerifyOptions& options);
 int reproduce(const ReproduceOptions& options);

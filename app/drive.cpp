@@ -15,6 +15,7 @@
 #include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "app/view.hpp"
+#include "baton/link/remote_robot.hpp"
 #include "baton/model/error.hpp"
 #include "baton/run/planning_thread.hpp"
 
@@ -49,6 +50,22 @@ void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, c
   }
 }
 
+/// The robot at the other end of `--on`, if it is an address.
+/// @throws InputError options that only the robot's own end has; it is another robot, or stands elsewhere
+std::unique_ptr<link::RemoteRobot> remote_robot(const DriveOptions& o, const RobotModel& robot, const World& world) {
+  if (!is_address(o.on)) return nullptr;
+  check_physics(o.physics, o.on);
+  return std::make_unique<link::RemoteRobot>(robot, world.name(),
+                                             link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token)});
+}
+
+/// Warns of targets that the robot has rejected since the last call.
+void warn_of_rejections(const link::RemoteRobot& robot, long& told) {
+  if (robot.rejected() == told) return;
+  if (told == 0) spdlog::warn("the robot has rejected a target: {}", robot.rejection());
+  told = robot.rejected();
+}
+
 /// @param live plan asynchronously, dropping late answers; else synchronously
 std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world, Modes modes, bool live) {
   if (live) return std::make_unique<PlanningThread>(robot, world, modes);
@@ -65,16 +82,27 @@ int drive(const DriveOptions& o) {
   if (o.input == "page" && (o.headless || o.fast))
     throw InputError("--input page needs the page: leave out --headless and --fast");
   const double period = robot.profile().tick.period;
-  const std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !o.fast);
+  std::unique_ptr<link::RemoteRobot> connected = remote_robot(o, robot, world);
+  const link::RemoteRobot* remote = connected.get();
+  const std::string on = remote != nullptr ? remote->welcome().on : o.on;
+  // A robot that waits for its targets waits for the planner, too.
+  const std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !o.fast && remote == nullptr);
   FaultyPlanning planning(*planner, faults_of(o.answers), period, static_cast<std::uint64_t>(o.seed));
-  Simulation simulation(robot, world, on_named(o.on),
-                        {.physics = parameters_of(o.physics, robot, o.on, o.seed),
-                         .session = {modes_of(o.modes), state_named(o.physics.state), &planning},
-                         .calibration = calibration_in(o.calibration, robot, o.on)});
+  Simulation::Parameters parameters{.session = {modes_of(o.modes), state_named(o.physics.state), &planning},
+                                    .calibration = calibration_in(o.calibration, robot, on)};
+  std::optional<Simulation> given;
+  if (remote != nullptr) {
+    given.emplace(robot, world, std::move(connected), parameters);
+  } else {
+    parameters.physics = parameters_of(o.physics, robot, o.on, o.seed);
+    given.emplace(robot, world, on_named(o.on), parameters);
+  }
+  Simulation& simulation = *given;
   Session& session = simulation.session();
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
   read.push_back({"--calibration", o.calibration});
+  read.push_back({"--token", o.token});
   check_distinct({{"--report", o.files.report},
                   {"--trace", o.files.trace},
                   {"--save-model", o.files.save_model},
@@ -86,7 +114,7 @@ int drive(const DriveOptions& o) {
     outputs.record(session, *o.files.record,
                    {{"robot", o.robot},
                     {"world", o.world},
-                    {"on", o.on},
+                    {"on", on},
                     {"seed", o.seed},
                     {"duration", o.modes.duration},
                     {"gait", o.modes.gait},
@@ -113,6 +141,8 @@ int drive(const DriveOptions& o) {
   double began = 0.0;
   bool stopping = false;
   bool stuck = false;
+  long rejected = 0;   ///< targets
+  std::string broken;  ///< why the robot follows no longer; "": it does
   Refusals refusals;
   while (!o.seconds || session.t() < *o.seconds - 0.5 * period) {
     if (interrupted && !stopping) {
@@ -125,10 +155,22 @@ int drive(const DriveOptions& o) {
       if (session.t() > 0.0) interval.add(1e6 * (now - began));
       began = now;
     }
-    if (stopping) {
-      session.step(Command{});
-    } else {
-      session.step(inputs);
+    try {
+      if (stopping) {
+        session.step(Command{});
+      } else {
+        session.step(inputs);
+      }
+    } catch (const LinkError& error) {
+      broken = error.what();
+      break;
+    }
+    if (remote != nullptr) {
+      warn_of_rejections(*remote, rejected);
+      if (remote->damped()) {
+        broken = fmt::format("{}: the robot was damped: {}", o.on, remote->damped_because());
+        break;
+      }
     }
     refusals.look(session.navigator());
     if (view) view->show(simulation, inputs.status(), refusals);
@@ -156,9 +198,12 @@ int drive(const DriveOptions& o) {
             {"late", late},
             {"dropped", session.navigator().dropped()}};
   }
+  nlohmann::json extra = {{"loop", std::move(loop)}};
+  if (remote != nullptr)
+    extra["link"] = {{"address", o.on}, {"rejected", remote->rejected()}, {"broken", broken}};
   const auto finish = [&] {
     const nlohmann::json summary =
-        outputs.write(world.name(), o.on, o.seed, seconds_since(start), {{"loop", std::move(loop)}});
+        outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
     const auto& segments = summary["segments"];
     fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
                world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
@@ -168,7 +213,9 @@ int drive(const DriveOptions& o) {
   };
   if (!session.fallen()) {
     finish();
-    return kDone;
+    if (broken.empty()) return kDone;
+    spdlog::error("{}", broken);
+    return kFailed;
   }
   try {
     finish();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 
 namespace baton::app {
 
@@ -44,6 +45,9 @@ void check_times(const Scenario& scenario, double times) {
 
 void check_physics(const PhysicsOptions& options, const std::string& on) {
   for (const auto& [option, value] : {std::pair("--scenario", options.scenario), std::pair("--plant", options.plant)}) {
+    if (value && is_address(on))
+      throw InputError(fmt::format("{} {} with --on {}: must be given at the robot's end, to baton robot", option, *value,
+                                   on));
     if (value && on != "sim")
       throw InputError(fmt::format("{} {} with --on {}: must be --on sim, it needs physics", option, *value, on));
   }
@@ -64,11 +68,24 @@ SimulatedRobot::Parameters parameters_of(const PhysicsOptions& options, const Ro
 std::optional<Calibration> calibration_in(const std::optional<std::filesystem::path>& file, const RobotModel& robot,
                                           const std::string& on) {
   if (!file) return std::nullopt;
-  if (on != "sim") {
+  if (on == "ideal") {
     throw InputError(fmt::format("--calibration {} with --on {}: must be --on sim, an ideal robot's sensors are exact",
                                  file->string(), on));
   }
   return Calibration::load(*file, robot);
+}
+
+bool is_address(const std::string& on) {
+  return on.starts_with("tcp://");
+}
+
+std::string token_in(const std::optional<std::filesystem::path>& file) {
+  if (!file) return "";
+  const std::string text = read_input(*file, "token");
+  constexpr const char* kSpace = " \t\r\n";
+  const auto begin = text.find_first_not_of(kSpace);
+  if (begin == std::string::npos) throw InputError(fmt::format("--token {}: is empty", file->string()));
+  return text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
 }
 
 AnswerFaults faults_of(const AnswerOptions& options) {

@@ -47,6 +47,13 @@ void check_physics(const PhysicsOptions& options, const std::string& on);
 [[nodiscard]] std::optional<Calibration> calibration_in(const std::optional<std::filesystem::path>& file,
                                                         const RobotModel& robot, const std::string& on);
 
+/// Whether `--on` names the address of a robot's end.
+[[nodiscard]] bool is_address(const std::string& on);
+
+/// The token in a file, without white space around it; "" without a file.
+/// @throws InputError it cannot be read, or is empty
+[[nodiscard]] std::string token_in(const std::optional<std::filesystem::path>& file);
+
 /// Answer faults from options.
 [[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options);
 

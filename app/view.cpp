@@ -6,6 +6,7 @@
 #include <array>
 
 #include "baton/model/contact.hpp"
+#include "baton/model/kinematics.hpp"
 #include "baton/record/trace.hpp"
 
 namespace baton::app {
@@ -22,6 +23,23 @@ std::string lost_sensors(const SensorCheck& sensors) {
       names += fmt::format("{}{}", names.empty() ? "" : ", ", to_string(sensor));
   }
   return names;
+}
+
+/// The robot as it is estimated: what can be shown of one without truth.
+Truth estimated(const Session& session) {
+  const Navigator& nav = session.navigator();
+  const Pose& anchor = nav.anchor();
+  const Eigen::Vector4d w = nav.state().q.segment<4>(3);
+  Truth seen;
+  seen.t = session.t();
+  seen.q = nav.state().q;
+  set_root(seen.q, anchor * Pose{seen.q.head<3>(), Eigen::Quaterniond(w[0], w[1], w[2], w[3]).toRotationMatrix()});
+  for (const Side side : kSides) {
+    const Wrench& wrench = nav.state().force[side];
+    const Vec3 force = anchor.R * wrench.force;
+    seen.sole[side] = {force, anchor.R * wrench.moment + (anchor * nav.state().sole[side].p).cross(force)};
+  }
+  return seen;
 }
 
 }  // namespace
@@ -56,7 +74,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   if (session.t() - shown_ < 1.0 / 30.0 && !session.fallen()) return;
   shown_ = session.t();
 
-  const Truth& truth = simulation.truth();
+  const Truth truth = session.truth() != nullptr ? *session.truth() : estimated(session);
   mju_copy(data_->qpos, truth.q.data(), scene_->nq);
   mj_kinematics(scene_.get(), data_.get());
   mj_comPos(scene_.get(), data_.get());

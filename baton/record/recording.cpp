@@ -168,7 +168,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
   const JsonReader read(json, place());
   if (read.at("baton_recording").json() != kVersion)
     read.at("baton_recording").fail(fmt::format("{}, the version that this program reads", kVersion));
-  static_cast<void>(read.at("on").one_of({"sim", "ideal"}));
+  static_cast<void>(read.at("on").one_of({"sim", "ideal", "real"}));
   static_cast<void>(read.at("seed").integer(std::numeric_limits<long>::min(), std::numeric_limits<long>::max()));
   head_ = {read.at("robot").text(),
            read.at("world").text(),

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
+
+#include "app/app.hpp"
+#include "app/commands.hpp"
+#include "app/options.hpp"
+#include "baton/ik/stand.hpp"
+#include "baton/link/remote_robot.hpp"
+#include "baton/link/robot_server.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+namespace {
+
+/// Lines that are typed at the robot's end.
+class Keyboard {
+ public:
+  /// The next whole line, if there is one.
+  std::optional<std::string> line() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (open_ && poll(&input, 1, 0) > 0) {
+      std::array<char, 256> some{};
+      const ssize_t got = ::read(STDIN_FILENO, some.data(), some.size());
+      open_ = got > 0;
+      if (open_) typed_.append(some.data(), static_cast<std::size_t>(got));
+    }
+    const auto end = typed_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = typed_.substr(0, end);
+    typed_.erase(0, end + 1);
+    return line;
+  }
+
+ private:
+  bool open_ = true;
+  std::string typed_;
+};
+
+void obey(const std::string& line, link::RobotServer& server) {
+  if (line == "d" || line == "damp") {
+    server.damp("by the robot's own key");
+  } else if (line == "a" || line == "arm") {
+    server.arm();
+  } else if (!line.empty()) {
+    spdlog::warn("'{}': type d (damp: the motors only brake) or a (arm again)", line);
+  }
+}
+
+}  // namespace
+
+int robot(const RobotOptions& o) {
+  if (!o.sim) throw InputError("robot: --sim is missing: this program has no robot but the simulated one");
+  const RobotModel model = robot_in(o.physics, o.robot);
+  const World world = World::load(o.world);
+  const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
+  SimulatedRobot simulated(model, world, start, model.profile().tick.period,
+                           parameters_of(o.physics, model, "sim", o.seed));
+  link::RobotServer server(model, simulated,
+                           {.listen = Address::parse(o.listen),
+                            .token = token_in(o.token),
+                            .on = "sim",
+                            .world = world.name(),
+                            .log = [](const std::string& text) { spdlog::info("{}", text); }});
+  fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", model.profile().name,
+             world.name(), server.address().text());
+  std::fflush(stdout);
+  Keyboard keyboard;
+  while (!interrupted) {
+    server.serve(Socket::Time(50));
+    while (const std::optional<std::string> line = keyboard.line())
+      obey(*line, server);
+  }
+  return kDone;
+}
+
+int damp(const DampOptions& o) {
+  link::damp(Address::parse(o.address), token_in(o.token));
+  fmt::print("damped: its motors only brake, until it is armed again at the robot's end\n");
+  return kDone;
+}
+
+}  // namespace baton::app

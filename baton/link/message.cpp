@@ -1,0 +1,307 @@
+#include "baton/link/message.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "baton/input/json_reader.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::link {
+namespace {
+
+using Json = nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little, "numbers are sent in the machine's own order");
+
+constexpr std::size_t kHead = 5;  ///< bytes of length and type
+constexpr std::size_t kLongestText = 4096;
+constexpr long kMostJoints = 1000;
+constexpr std::uint32_t kDamped = 1;  ///< bit of the state
+
+/// Appends numbers to a body.
+class Writer {
+ public:
+  template <typename Number>
+  Writer& number(Number value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    return *this;
+  }
+  /// Column by column.
+  template <typename Derived>
+  Writer& numbers(const Eigen::MatrixBase<Derived>& values) {
+    for (Eigen::Index column = 0; column < values.cols(); ++column) {
+      for (Eigen::Index row = 0; row < values.rows(); ++row)
+        number<double>(values(row, column));
+    }
+    return *this;
+  }
+  Writer& rotation(const Mat3& R) { return numbers(R.transpose()); }  // row by row
+  Writer& wrench(const Wrench& wrench) { return numbers(wrench.force).numbers(wrench.moment); }
+
+  std::string bytes_;
+};
+
+/// Takes them out again.
+class Reader {
+ public:
+  Reader(const char* what, const std::string& body) : what_(what), body_(&body) {}
+
+  template <typename Number>
+  Number number() {
+    Number value{};
+    if (left() < sizeof value)
+      throw LinkError(fmt::format("a {} of {} bytes is too short", what_, body_->size()));
+    std::memcpy(&value, body_->data() + at_, sizeof value);
+    at_ += sizeof value;
+    return value;
+  }
+  Vec3 vector() {
+    Vec3 v;
+    for (double& value : v)
+      value = number<double>();
+    return v;
+  }
+  VecX vector(Eigen::Index size) {
+    VecX v(size);
+    for (double& value : v)
+      value = number<double>();
+    return v;
+  }
+  Mat3 rotation() {
+    Mat3 R;
+    for (int row = 0; row < 3; ++row)
+      R.row(row) = vector();
+    return R;
+  }
+  Wrench wrench() {
+    const Vec3 force = vector();
+    return {force, vector()};
+  }
+  [[nodiscard]] std::size_t left() const { return body_->size() - at_; }
+  std::string rest() { return body_->substr(std::exchange(at_, body_->size())); }
+  void end() const {
+    if (left() > 0) throw LinkError(fmt::format("a {} of {} bytes is too long", what_, body_->size()));
+  }
+
+ private:
+  const char* what_;
+  const std::string* body_;
+  std::size_t at_ = 0;
+};
+
+/// Reads JSON; what is wrong with it is the other end's fault.
+template <typename Read>
+auto from_json(const char* what, const std::string& body, const Read& read) {
+  try {
+    const Json json = parse_json(body, what);
+    return read(JsonReader(json, what));
+  } catch (const InputError& error) {
+    throw LinkError(error.what());
+  }
+}
+
+std::string text_in(const JsonReader& reader) {
+  std::string text = reader.text();
+  if (text.size() > kLongestText) reader.fail(fmt::format("at most {} characters", kLongestText));
+  return text;
+}
+
+int version_in(const JsonReader& reader) {
+  return static_cast<int>(reader.at("baton").integer(0, std::numeric_limits<int>::max()));
+}
+
+void check_size(Eigen::Index size, Eigen::Index wanted) {
+  if (size != wanted) throw std::logic_error("the vectors of a message must have the same length");
+}
+
+}  // namespace
+
+std::string framed(Type type, std::string_view body) {
+  Writer writer;
+  writer.number(static_cast<std::uint32_t>(body.size())).number(static_cast<std::uint8_t>(type));
+  return writer.bytes_.append(body);
+}
+
+std::optional<Message> Stream::next() {
+  if (bytes_.size() < kHead) return std::nullopt;
+  std::uint32_t length = 0;
+  std::memcpy(&length, bytes_.data(), sizeof length);
+  const auto type = static_cast<std::uint8_t>(bytes_[sizeof length]);
+  if (length > kLongest)
+    throw LinkError(fmt::format("a message of {} bytes: must be at most {}; is this a baton link?", length, kLongest));
+  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::bye))
+    throw LinkError(fmt::format("a message of unknown type {}; is this a baton link?", type));
+  if (bytes_.size() < kHead + length) return std::nullopt;
+  Message message{static_cast<Type>(type), bytes_.substr(kHead, length)};
+  bytes_.erase(0, kHead + length);
+  return message;
+}
+
+std::string encode(const Hello& hello) {
+  return Json{{"baton", hello.version},
+              {"token", hello.token},
+              {"role", hello.role == Hello::Role::drive ? "drive" : "damp"}}
+      .dump();
+}
+
+std::string encode(const Welcome& welcome) {
+  return Json{{"baton", welcome.version},   {"robot", welcome.robot},         {"joints", welcome.joints},
+              {"period", welcome.period},   {"lock_step", welcome.lock_step}, {"on", welcome.on},
+              {"world", welcome.world}}
+      .dump();
+}
+
+std::string encode(const Start& start) {
+  const auto list = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
+  return Json{{"drive", start.drive}, {"kp", list(start.kp)}, {"kd", list(start.kd)}}.dump();
+}
+
+std::string encode(const Refusal& refusal) {
+  return Json{{"reason", refusal.reason}, {"text", refusal.text}}.dump();
+}
+
+std::string encode_text(const std::string& text) {
+  return Json{{"text", shortened(text, kLongestText)}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string encode(const Reading& reading) {
+  const Measurement& m = reading.measurement;
+  const Eigen::Index n = m.q.size();
+  check_size(m.dq.size(), n);
+  const VecX torque = m.torque.size() > 0 ? m.torque : VecX(VecX::Constant(n, std::numeric_limits<double>::quiet_NaN()));
+  check_size(torque.size(), n);
+  Writer writer;
+  writer.number(reading.sequence).number<std::uint32_t>(reading.damped ? kDamped : 0).number<std::uint32_t>(0);
+  writer.number(m.t).number(m.age).number(reading.battery);
+  writer.numbers(m.q).numbers(m.dq).numbers(torque);
+  writer.rotation(m.imu.attitude).numbers(m.imu.rate).numbers(m.imu.acceleration);
+  writer.wrench(m.sole.left).wrench(m.sole.right);
+  if (m.root)
+    writer.numbers(m.root->pose.p).rotation(m.root->pose.R).numbers(m.root->velocity).numbers(m.root->rate);
+  return std::move(writer.bytes_);
+}
+
+std::string encode(const Target& target) {
+  check_size(target.dq.size(), target.q.size());
+  check_size(target.tau.size(), target.q.size());
+  Writer writer;
+  writer.number(target.sequence).numbers(target.q).numbers(target.dq).numbers(target.tau);
+  return std::move(writer.bytes_);
+}
+
+std::string encode(const Truth& truth) {
+  Writer writer;
+  writer.number(truth.t).numbers(truth.q).numbers(truth.dq).wrench(truth.sole.left).wrench(truth.sole.right);
+  for (const Side side : kSides)
+    writer.number<std::uint8_t>(truth.touch[side] ? 1 : 0);
+  writer.number<std::uint8_t>(truth.fallen ? 1 : 0);
+  return writer.bytes_.append(truth.fall);
+}
+
+Hello decode_hello(const std::string& body) {
+  return from_json("hello", body, [](const JsonReader& reader) {
+    Hello hello;
+    hello.version = version_in(reader);
+    if (reader.has("token")) hello.token = text_in(reader.at("token"));
+    if (reader.has("role"))
+      hello.role = reader.at("role").one_of({"drive", "damp"}) == "damp" ? Hello::Role::damp : Hello::Role::drive;
+    return hello;
+  });
+}
+
+Welcome decode_welcome(const std::string& body) {
+  return from_json("welcome", body, [](const JsonReader& reader) {
+    Welcome welcome;
+    welcome.version = version_in(reader);
+    welcome.robot = text_in(reader.at("robot"));
+    for (const JsonReader& joint : reader.at("joints").list())
+      welcome.joints.push_back(text_in(joint));
+    if (welcome.joints.size() > kMostJoints) reader.at("joints").fail(fmt::format("at most {} joints", kMostJoints));
+    welcome.period = reader.at("period").number();
+    if (!(welcome.period > 0.0)) reader.at("period").fail("above 0 s");
+    welcome.lock_step = reader.at("lock_step").boolean();
+    if (reader.has("on")) welcome.on = reader.at("on").one_of({"sim", "ideal", "real"});
+    if (reader.has("world")) welcome.world = text_in(reader.at("world"));
+    return welcome;
+  });
+}
+
+Start decode_start(const std::string& body, Eigen::Index joints) {
+  return from_json("start", body, [joints](const JsonReader& reader) {
+    return Start{reader.at("drive").one_of({"torque", "pd", "stiff"}), reader.at("kp").vector(joints),
+                 reader.at("kd").vector(joints)};
+  });
+}
+
+Refusal decode_refusal(const std::string& body) {
+  return from_json("refusal", body, [](const JsonReader& reader) {
+    return Refusal{text_in(reader.at("reason")), text_in(reader.at("text"))};
+  });
+}
+
+std::string decode_text(const std::string& body) {
+  return from_json("text", body, [](const JsonReader& reader) { return text_in(reader.at("text")); });
+}
+
+Reading decode_reading(const std::string& body, Eigen::Index joints) {
+  Reader reader("measurement", body);
+  Reading reading;
+  reading.sequence = reader.number<std::uint64_t>();
+  reading.damped = (reader.number<std::uint32_t>() & kDamped) != 0;
+  static_cast<void>(reader.number<std::uint32_t>());
+  Measurement& m = reading.measurement;
+  m.t = reader.number<double>();
+  m.age = reader.number<double>();
+  reading.battery = reader.number<double>();
+  m.q = reader.vector(joints);
+  m.dq = reader.vector(joints);
+  m.torque = reader.vector(joints);
+  if (m.torque.array().isNaN().all()) m.torque.resize(0);
+  m.imu.attitude = reader.rotation();
+  m.imu.rate = reader.vector();
+  m.imu.acceleration = reader.vector();
+  for (const Side side : kSides)
+    m.sole[side] = reader.wrench();
+  if (reader.left() > 0) {
+    m.root.emplace();
+    m.root->pose.p = reader.vector();
+    m.root->pose.R = reader.rotation();
+    m.root->velocity = reader.vector();
+    m.root->rate = reader.vector();
+  }
+  reader.end();
+  return reading;
+}
+
+Target decode_target(const std::string& body, Eigen::Index joints) {
+  Reader reader("target", body);
+  Target target;
+  target.sequence = reader.number<std::uint64_t>();
+  target.q = reader.vector(joints);
+  target.dq = reader.vector(joints);
+  target.tau = reader.vector(joints);
+  reader.end();
+  return target;
+}
+
+Truth decode_truth(const std::string& body, Eigen::Index joints) {
+  Reader reader("truth", body);
+  Truth truth;
+  truth.t = reader.number<double>();
+  truth.q = reader.vector(joints + 7);
+  truth.dq = reader.vector(joints + 6);
+  for (const Side side : kSides)
+    truth.sole[side] = reader.wrench();
+  for (const Side side : kSides)
+    truth.touch[side] = reader.number<std::uint8_t>() != 0;
+  truth.fallen = reader.number<std::uint8_t>() != 0;
+  truth.fall = shortened(reader.rest(), kLongestText);
+  return truth;
+}
+
+}  // namespace baton::link

@@ -1,0 +1,167 @@
+#include "baton/link/remote_robot.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "baton/ik/stand.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::link {
+namespace {
+
+constexpr Socket::Time kSending{2000};
+constexpr Socket::Time kFarewell{200};
+constexpr double kNear = 0.15;  ///< largest difference of a joint from the stance that a run begins with [rad]
+
+Message receive_from(Socket& socket, Stream& stream, Socket::Time limit) {
+  const auto until = std::chrono::steady_clock::now() + limit;
+  while (true) {
+    if (std::optional<Message> message = stream.next()) return *std::move(message);
+    const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
+    if (left.count() <= 0 || !socket.receive(stream.bytes(), left))
+      throw LinkError(fmt::format("nothing from the robot for {} ms", limit.count()));
+  }
+}
+
+[[noreturn]] void complain(const Message& refusal) {
+  const Refusal why = decode_refusal(refusal.body);
+  throw LinkError(fmt::format("refused ({}): {}", why.reason, why.text));
+}
+
+[[noreturn]] void complain_of(Type type, const char* wanted) {
+  throw LinkError(fmt::format("a message of type {} in place of {}", static_cast<int>(type), wanted));
+}
+
+}  // namespace
+
+RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, const Parameters& parameters)
+    : model_(&model), parameters_(parameters), socket_(Socket::connect(parameters.address, parameters.connecting)) {
+  try {
+    greet(parameters.token, world);
+    await_reading(parameters.connecting);
+  } catch (const LinkError& error) {
+    throw LinkError(fmt::format("{}: {}", parameters.address.text(), error.what()));
+  }
+  check_start();
+}
+
+RemoteRobot::~RemoteRobot() {
+  try {
+    socket_.send(framed(Type::bye), kFarewell);
+  } catch (const LinkError&) {  // it is gone already
+  }
+}
+
+Message RemoteRobot::receive(Socket::Time limit) {
+  Message message = receive_from(socket_, stream_, limit);
+  if (message.type == Type::refusal) complain(message);
+  return message;
+}
+
+void RemoteRobot::greet(const std::string& token, const std::string& world) {
+  socket_.send(framed(Type::hello, encode(Hello{kVersion, token, Hello::Role::drive})), kSending);
+  const Message answer = receive(parameters_.connecting);
+  if (answer.type != Type::welcome) complain_of(answer.type, "a welcome");
+  welcome_ = decode_welcome(answer.body);
+  if (welcome_.version != kVersion)
+    throw LinkError(fmt::format("the robot speaks version {} of the protocol, this program {}", welcome_.version,
+                                kVersion));
+  check_joints();
+  if (!welcome_.world.empty() && welcome_.world != world)
+    throw InputError(fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(),
+                                 welcome_.world));
+  Start start{std::string(to_string(model_->profile().drive)), VecX(model_->nv() - 6), VecX(model_->nv() - 6)};
+  for (Eigen::Index i = 0; i < start.kp.size(); ++i) {
+    const Profile::Gains& gains = model_->joints()[static_cast<std::size_t>(i)].gains;
+    start.kp[i] = gains.kp;
+    start.kd[i] = gains.kd;
+  }
+  socket_.send(framed(Type::start, encode(start)), kSending);
+}
+
+void RemoteRobot::check_joints() const {
+  const Profile& profile = model_->profile();
+  const auto because = [&](const std::string& why) {
+    throw InputError(
+        fmt::format("--robot {}: the robot '{}' at {} {}", profile.name, welcome_.robot, parameters_.address.text(), why));
+  };
+  const std::vector<Joint>& own = model_->joints();
+  for (std::size_t i = 0; i < std::max(own.size(), welcome_.joints.size()); ++i) {
+    const std::string mine = i < own.size() ? own[i].name : "none";
+    const std::string theirs = i < welcome_.joints.size() ? welcome_.joints[i] : "none";
+    if (mine != theirs) because(fmt::format("has '{}' as joint {}: must be '{}'", theirs, i, mine));
+  }
+  if (std::abs(welcome_.period - profile.tick.period) > 1e-9)
+    because(fmt::format("has a tick of {} s: must be {} s", welcome_.period, profile.tick.period));
+  if (!welcome_.lock_step)
+    because("does not wait for its targets: must run in lock-step (docs/protocol.md)");
+}
+
+void RemoteRobot::check_start() const {
+  const VecX q = stand(*model_, Pose{}, model_->profile().stance.com_height).q.tail(model_->nv() - 6);
+  const VecX off = reading_.measurement.q - q;
+  for (Eigen::Index i = 0; i < off.size(); ++i) {
+    if (std::abs(off[i]) <= kNear) continue;
+    throw InputError(fmt::format("{}: {} is at {:.3f} rad: must be within {} of the stance, {:.3f}",
+                                 parameters_.address.text(), model_->joints()[static_cast<std::size_t>(i)].name,
+                                 reading_.measurement.q[i], kNear, q[i]));
+  }
+}
+
+void RemoteRobot::write(const JointTarget& target) {
+  const bool corrected = target.q_correction.size() > 0;
+  const Target sent{reading_.sequence, corrected ? VecX(target.q + target.q_correction) : target.q, target.dq,
+                    target.tau};
+  try {
+    socket_.send(framed(Type::target, encode(sent)), kSending);
+    await_reading(parameters_.answering);
+  } catch (const LinkError& error) {
+    throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
+  }
+}
+
+void RemoteRobot::await_reading(Socket::Time limit) {
+  const Eigen::Index joints = model_->nv() - 6;
+  while (true) {
+    const Message message = receive(limit);
+    switch (message.type) {
+      case Type::truth:
+        truth_ = decode_truth(message.body, joints);
+        break;
+      case Type::rejected:
+        ++rejected_;
+        rejection_ = decode_text(message.body);
+        break;
+      case Type::damp:
+        damped_because_ = decode_text(message.body);
+        break;
+      case Type::bye:
+        throw LinkError("the robot has ended the connection");
+      case Type::measurement:
+        reading_ = decode_reading(message.body, joints);
+        if (reading_.sequence != expected_)
+          throw LinkError(fmt::format("measurement {} in place of {}", reading_.sequence, expected_));
+        ++expected_;
+        return;
+      default:
+        complain_of(message.type, "a measurement");
+    }
+  }
+}
+
+void damp(const Address& address, const std::string& token) {
+  try {
+    Socket socket = Socket::connect(address, Socket::Time(3000));
+    socket.send(framed(Type::hello, encode(Hello{kVersion, token, Hello::Role::damp})), kSending);
+    Stream stream;
+    const Message answer = receive_from(socket, stream, Socket::Time(3000));
+    if (answer.type == Type::refusal) complain(answer);
+    if (answer.type != Type::damp) complain_of(answer.type, "a confirmation");
+  } catch (const LinkError& error) {
+    const std::string why = error.what();
+    throw LinkError(why.starts_with(address.text()) ? why : fmt::format("{}: {}", address.text(), why));
+  }
+}
+
+}  // namespace baton::link

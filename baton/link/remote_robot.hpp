@@ -1,0 +1,72 @@
+/// A robot at the other end of a connection, in lock-step: it waits for each target.
+#pragma once
+
+#include <string>
+
+#include "baton/link/message.hpp"
+#include "baton/model/robot_model.hpp"
+
+namespace baton::link {
+
+class RemoteRobot : public Robot {
+ public:
+  struct Parameters {
+    Address address;
+    std::string token;               ///< "": none
+    Socket::Time connecting{3000};   ///< longest time for an answer to come while connecting
+    Socket::Time answering{10'000};  ///< the same for a measurement: the robot may be simulated by a slow computer
+  };
+
+  /// Connects, and takes the robot over.
+  /// @throws LinkError nobody there, or refused; the message says why
+  /// @throws InputError it is another robot than `model`, with other joints, or in another world
+  RemoteRobot(const RobotModel& model, const std::string& world, const Parameters& parameters);
+  /// Hands the robot back.
+  ~RemoteRobot() override;
+  RemoteRobot(const RemoteRobot&) = delete;
+  RemoteRobot& operator=(const RemoteRobot&) = delete;
+
+  /// The newest measurement.
+  [[nodiscard]] Measurement read() override { return reading_.measurement; }
+  /// Sends the target and waits for the next measurement.
+  /// @throws LinkError the robot is gone, silent, or breaks the protocol
+  void write(const JointTarget& target) override;
+  /// Null if the robot does not send it.
+  [[nodiscard]] const Truth* truth() const override { return truth_ ? &*truth_ : nullptr; }
+
+  [[nodiscard]] const Welcome& welcome() const { return welcome_; }
+  /// Whether the robot's motors only brake, and follow nothing.
+  [[nodiscard]] bool damped() const { return reading_.damped; }
+  /// Why, as far as the robot has said so.
+  [[nodiscard]] const std::string& damped_because() const { return damped_because_; }
+  /// Targets that the robot has rejected, and why the last one was.
+  [[nodiscard]] long rejected() const { return rejected_; }
+  [[nodiscard]] const std::string& rejection() const { return rejection_; }
+
+ private:
+  /// @throws LinkError none in time
+  [[nodiscard]] Message receive(Socket::Time limit);
+  void greet(const std::string& token, const std::string& world);
+  /// Takes messages up to the next measurement.
+  void await_reading(Socket::Time limit);
+  void check_joints() const;
+  /// @throws InputError the robot stands elsewhere than where a run begins
+  void check_start() const;
+
+  const RobotModel* model_;
+  Parameters parameters_;
+  Socket socket_;
+  Stream stream_;
+  Welcome welcome_;
+  Reading reading_;
+  std::uint64_t expected_ = 0;  ///< sequence of the next measurement
+  std::optional<Truth> truth_;
+  long rejected_ = 0;
+  std::string rejection_, damped_because_;
+};
+
+/// Damps the robot at that address, whoever drives it.
+/// @throws LinkError it could not be told, or refused
+void damp(const Address& address, const std::string& token);
+
+}  // namespace baton::link

@@ -1,0 +1,240 @@
+#include "baton/link/robot_server.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "baton/model/error.hpp"
+
+namespace baton::link {
+namespace {
+
+constexpr Socket::Time kSending{2000};          ///< after which a driver that takes nothing is gone
+constexpr std::chrono::seconds kGreeting{5};    ///< by which a connection has to say what it wants
+constexpr std::size_t kMostGuests = 16;
+constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
+constexpr long kEveryRejection = 200;  ///< of so many rejections in a row one is logged
+
+/// Takes as long whatever the token is, so that its time tells nothing about it.
+bool same_token(const std::string& a, const std::string& b) {
+  unsigned differs = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    differs |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b.empty() ? 0 : b[i % b.size()]);
+  return differs == 0;
+}
+
+}  // namespace
+
+RobotServer::RobotServer(const RobotModel& model, Robot& robot, Parameters parameters)
+    : model_(&model), robot_(&robot), parameters_(std::move(parameters)), check_(model) {
+  if (parameters_.token.empty() && !parameters_.listen.loopback())
+    throw InputError(fmt::format("{} can be reached by others: needs a token, which drivers must know",
+                                 parameters_.listen.text()));
+  listener_ = Socket::listen(parameters_.listen);
+}
+
+Address RobotServer::address() const {
+  return {parameters_.listen.host, listener_.port()};
+}
+
+void RobotServer::serve(Socket::Time limit) {
+  std::vector<pollfd> all{{listener_.descriptor(), POLLIN, 0}};
+  for (const Peer& guest : guests_)
+    all.push_back({guest.socket.descriptor(), POLLIN, 0});
+  if (driver_) all.push_back({driver_->socket.descriptor(), POLLIN, 0});
+  if (poll(all.data(), all.size(), static_cast<int>(limit.count())) < 0) return;  // by a signal
+  const auto take = [this](Peer& peer) {
+    std::exception_ptr gone;  // after what it has said before
+    try {
+      while (peer.stream.bytes().size() < kMostAtOnce && peer.socket.receive(peer.stream.bytes(), Socket::Time(0))) {
+      }
+    } catch (const LinkError&) {
+      gone = std::current_exception();
+    }
+    while (std::optional<Message> message = peer.stream.next()) {
+      if (!hear(peer, *message)) return false;
+    }
+    if (gone) std::rethrow_exception(gone);
+    return true;
+  };
+  const auto attempt = [&](Peer& peer, std::string& why) {
+    try {
+      return take(peer);
+    } catch (const LinkError& error) {
+      why = error.what();
+      return false;
+    }
+  };
+  std::string why;
+  if (driver_ && !attempt(*driver_, why)) drop_driver(why);
+  const auto now = std::chrono::steady_clock::now();
+  std::vector<Peer> staying;
+  for (Peer& guest : guests_) {
+    if (!attempt(guest, why) || now - guest.since > kGreeting) continue;
+    if (guest.welcomed) {
+      driver_ = std::move(guest);
+      state_ = State::driven;
+    } else {
+      staying.push_back(std::move(guest));
+    }
+  }
+  guests_ = std::move(staying);
+  if (driver_ && !driver_->started && now - driver_->since > kGreeting) drop_driver("it does not start");
+  accept();
+}
+
+void RobotServer::accept() {
+  while (std::optional<Socket> socket = listener_.accept()) {
+    if (guests_.size() >= kMostGuests) continue;  // closes it
+    guests_.push_back({*std::move(socket), {}, std::chrono::steady_clock::now()});
+  }
+}
+
+bool RobotServer::hear(Peer& peer, const Message& message) {
+  if (!peer.welcomed) {
+    if (message.type == Type::hello) return greet(peer, message);
+    return refuse(peer, "protocol", "a connection begins with a hello");
+  }
+  switch (message.type) {
+    case Type::start:
+      return begin(peer, message);
+    case Type::target:
+      if (!peer.started) return refuse(peer, "protocol", "a target before the start");
+      follow(peer, message);
+      return true;
+    case Type::damp:
+      damp("asked for by the driver: " + decode_text(message.body));
+      return true;
+    case Type::bye:
+      return false;
+    default:
+      return refuse(peer, "protocol", fmt::format("a message of type {} from a driver", static_cast<int>(message.type)));
+  }
+}
+
+bool RobotServer::greet(Peer& peer, const Message& message) {
+  const Hello hello = decode_hello(message.body);
+  if (hello.version != kVersion)
+    return refuse(peer, "version",
+                  fmt::format("version {} of the protocol: must be {}", hello.version, kVersion));
+  if (!parameters_.token.empty() && !same_token(hello.token, parameters_.token))
+    return refuse(peer, "token", hello.token.empty() ? "a token is needed" : "the token is wrong");
+  if (hello.role == Hello::Role::damp) {
+    damp("asked for over the network");
+    peer.socket.send(framed(Type::damp, encode_text(damped_because_)), kSending);
+    return false;
+  }
+  if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
+  if (driver_) return refuse(peer, "busy", "somebody drives the robot already");
+  Welcome welcome;
+  welcome.robot = model_->profile().name;
+  for (const Joint& joint : model_->joints())
+    welcome.joints.push_back(joint.name);
+  welcome.period = model_->profile().tick.period;
+  welcome.on = parameters_.on;
+  welcome.world = parameters_.world;
+  peer.socket.send(framed(Type::welcome, encode(welcome)), kSending);
+  peer.welcomed = true;  // `serve` makes it the driver
+  return true;
+}
+
+bool RobotServer::begin(Peer& peer, const Message& message) {
+  if (peer.started) return refuse(peer, "protocol", "a second start");
+  const Start start = decode_start(message.body, model_->nv() - 6);
+  const std::string drive(to_string(model_->profile().drive));
+  if (start.drive != drive)
+    return refuse(peer, "servos", fmt::format("drive {}: the servos are {}", start.drive, drive));
+  for (std::size_t i = 0; i < model_->joints().size(); ++i) {
+    const Joint& joint = model_->joints()[i];
+    const auto at = static_cast<Eigen::Index>(i);
+    if (start.kp[at] != joint.gains.kp || start.kd[at] != joint.gains.kd)
+      return refuse(peer, "servos",
+                    fmt::format("{}: kp {:.6g}, kd {:.6g}: the servo has {:.6g}, {:.6g}", joint.name, start.kp[at],
+                                start.kd[at], joint.gains.kp, joint.gains.kd));
+  }
+  robot_->reset();
+  peer.started = true;
+  reading_ = {};
+  reading_.measurement = robot_->read();
+  const VecX zero = VecX::Zero(reading_.measurement.q.size());
+  target_ = {reading_.measurement.q, zero, zero, zero, {true, true}, {}};
+  check_.begin(target_.q);
+  rejections_ = 0;
+  parameters_.log("a driver has taken over");
+  send_reading(peer);
+  return true;
+}
+
+void RobotServer::follow(Peer& peer, const Message& message) {
+  const Target target = decode_target(message.body, model_->nv() - 6);
+  std::optional<std::string> why;
+  if (target.sequence != reading_.sequence) {
+    why = fmt::format("an answer to measurement {}: must be to {}", target.sequence, reading_.sequence);
+  } else {
+    why = check_.reject(target, reading_.measurement.q);
+  }
+  if (why) {
+    if (rejections_++ % kEveryRejection == 0) parameters_.log("target rejected: " + *why);
+    peer.socket.send(framed(Type::rejected, encode_text(*why)), kSending);
+    target_.dq.setZero();  // it stays where the last good one was
+  } else {
+    target_.q = target.q;
+    target_.dq = target.dq;
+    target_.tau = target.tau;
+  }
+  if (state_ == State::damped) brake();
+  robot_->write(target_);
+  ++reading_.sequence;
+  reading_.measurement = robot_->read();
+  send_reading(peer);
+}
+
+void RobotServer::brake() {
+  target_.q = reading_.measurement.q;
+  target_.dq.setZero();
+  target_.tau.setZero();
+}
+
+void RobotServer::send_reading(Peer& peer) {
+  reading_.damped = state_ == State::damped;
+  std::string bytes;
+  if (const Truth* truth = robot_->truth()) bytes = framed(Type::truth, encode(*truth));
+  bytes += framed(Type::measurement, encode(reading_));
+  peer.socket.send(bytes, kSending);
+}
+
+bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::string& text) {
+  parameters_.log(fmt::format("refused ({}): {}", reason, text));
+  peer.socket.send(framed(Type::refusal, encode(Refusal{reason, text})), kSending);
+  return false;
+}
+
+void RobotServer::drop_driver(const std::string& why) {
+  parameters_.log(why.empty() ? "the driver has handed the robot back" : "driver lost: " + why);
+  driver_.reset();
+  if (state_ == State::driven) state_ = State::waiting;
+}
+
+void RobotServer::damp(const std::string& because) {
+  if (state_ == State::damped) return;
+  state_ = State::damped;
+  damped_because_ = because;
+  parameters_.log("damped: " + because);
+  if (!driver_ || !driver_->started) return;
+  try {
+    driver_->socket.send(framed(Type::damp, encode_text(because)), kSending);
+  } catch (const LinkError&) {  // `serve` finds that out, too
+  }
+}
+
+void RobotServer::arm() {
+  if (state_ != State::damped) return;
+  driver_.reset();
+  state_ = State::waiting;
+  parameters_.log("armed");
+}
+
+}  // namespace baton::link

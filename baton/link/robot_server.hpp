@@ -1,0 +1,79 @@
+/// The robot's end of a connection: one driver at a time, in lock-step, and a brake that needs no driver.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "baton/link/message.hpp"
+#include "baton/link/target_check.hpp"
+
+namespace baton::link {
+
+/// States: `waiting` for a driver → `driven` → `waiting`; from each to `damped`, and by `arm` back to `waiting`.
+class RobotServer {
+ public:
+  enum class State { waiting, driven, damped };
+
+  struct Parameters {
+    Address listen;
+    std::string token{};  ///< that drivers must know; "": none, which is accepted on a loopback address alone
+    std::string on = "sim";
+    std::string world{};
+    std::function<void(const std::string&)> log = [](const std::string&) {};
+  };
+
+  /// `model` and `robot` must outlive this object. The robot must have a `reset`.
+  /// @throws InputError the address cannot be listened on, or needs a token
+  RobotServer(const RobotModel& model, Robot& robot, Parameters parameters);
+
+  /// Where it listens: with the port that was chosen, if 0 was asked for.
+  [[nodiscard]] Address address() const;
+  [[nodiscard]] State state() const { return state_; }
+
+  /// Waits for messages, and does what they ask for.
+  /// @param limit longest wait
+  void serve(Socket::Time limit);
+
+  /// The motors only brake from now on, whatever a driver says.
+  /// @param because one line, for the log and the driver
+  void damp(const std::string& because);
+  /// Ends that. Who drove has to begin anew.
+  void arm();
+
+ private:
+  struct Peer {
+    Socket socket;
+    Stream stream;
+    std::chrono::steady_clock::time_point since;  ///< of its connection
+    bool welcomed = false;
+    bool started = false;
+  };
+
+  void accept();
+  /// @returns whether the peer stays connected
+  [[nodiscard]] bool hear(Peer& peer, const Message& message);
+  [[nodiscard]] bool greet(Peer& peer, const Message& message);
+  [[nodiscard]] bool begin(Peer& peer, const Message& message);
+  void follow(Peer& peer, const Message& message);
+  void brake();
+  void send_reading(Peer& peer);
+  [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
+  /// @param why "": the driver has said so
+  void drop_driver(const std::string& why);
+
+  const RobotModel* model_;
+  Robot* robot_;
+  Parameters parameters_;
+  Socket listener_;
+  State state_ = State::waiting;
+  std::vector<Peer> guests_;    ///< connected, and nothing agreed on yet
+  std::optional<Peer> driver_;  ///< at most one
+  TargetCheck check_;
+  JointTarget target_;  ///< the last one that was followed
+  Reading reading_;     ///< the last one that was sent
+  std::string damped_because_;
+  long rejections_ = 0;
+};
+
+}  // namespace baton::link

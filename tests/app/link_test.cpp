@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <thread>
+
+#include "baton/ik/stand.hpp"
+#include "baton/link/remote_robot.hpp"
+#include "baton/link/robot_server.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/robot/simulated_robot.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace baton {
+namespace {
+
+using test::Outcome;
+using test::run;
+using test::Scratch;
+using testing::HasSubstr;
+
+const std::string kStick = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
+{"t": 2.0, "guide": "left_hand", "axes": [0.5, 0, 0.5, 0, 0, 0]}
+{"t": 3.0, "guide": "trunk"}
+)";
+
+/// What `baton robot --sim --world flat --seed 4` serves, in a thread.
+class RobotsEnd {
+ public:
+  explicit RobotsEnd(const std::string& token = "")
+      : robot_(model_, world_, stand(model_, world_.site("start"), model_.profile().stance.com_height),
+               model_.profile().tick.period, physics()),
+        server_(model_, robot_, {.listen = {"127.0.0.1", 0}, .token = token, .world = "flat"}),
+        address(server_.address().text()),
+        thread_([this] {
+          while (!stop_)
+            server_.serve(Socket::Time(1));
+        }) {}
+  ~RobotsEnd() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  [[nodiscard]] SimulatedRobot::Parameters physics() const {
+    SimulatedRobot::Parameters parameters;
+    parameters.plant = plant_of(true, nullptr, model_, 4, 1.0);
+    return parameters;
+  }
+
+  const RobotModel& model_ = test::robot("mighty");
+  const World world_ = World::load("flat");
+  SimulatedRobot robot_;
+  link::RobotServer server_;
+
+ public:
+  const std::string address;
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+TEST(DriveOverALink, TraceRecordingAndReportAreThoseOfARunWithTheSimulatorInside) {
+  const Scratch scratch;
+  const RobotsEnd end;
+  const std::string script = scratch.write("stick.jsonl", kStick);
+  const auto drive = [&](const std::string& on, const std::string& name) {
+    return run({"drive", "--on", on, "--world", "flat", "--seed", "4", "--input", "script:" + script, "--fast",
+                "--seconds", "5", "--trace", scratch.path(name + ".csv"), "--report", scratch.path(name + ".json"),
+                "--record", scratch.path(name + ".jsonl")});
+  };
+  ASSERT_EQ(drive("sim", "inside").code, app::kDone);
+  const Outcome there = drive(end.address, "there");
+  ASSERT_EQ(there.code, app::kDone) << there.err;
+  EXPECT_GT(scratch.read("inside.csv").size(), 100'000U);
+  EXPECT_TRUE(scratch.read("inside.csv") == scratch.read("there.csv"));
+  EXPECT_TRUE(scratch.read("inside.jsonl") == scratch.read("there.jsonl"));
+  nlohmann::json inside_report = scratch.json("inside.json");
+  nlohmann::json there_report = scratch.json("there.json");
+  EXPECT_EQ(there_report["link"]["address"], end.address);
+  EXPECT_EQ(there_report["link"]["rejected"], 0);
+  EXPECT_EQ(there_report["link"]["broken"], "");
+  there_report.erase("link");
+  for (nlohmann::json* report : {&inside_report, &there_report}) {  // what the computer took
+    for (const char* time : {"tick_us", "plan_us", "real_time_factor"})
+      report->erase(time);
+  }
+  EXPECT_EQ(inside_report, there_report);
+  EXPECT_EQ(run({"replay", scratch.path("there.jsonl"), "--verify"}).code, app::kDone);
+}
+
+TEST(DriveOverALink, ATokenComesFromAFile) {
+  const Scratch scratch;
+  const RobotsEnd end("open sesame");
+  const auto drive = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> args{"drive", "--on",   end.address, "--world", "flat",     "--input",
+                                  "page",  "--fast", "--seconds", "0.5",     "--headless"};
+    args[6] = "script:" + scratch.write("stick.jsonl", kStick);
+    args.insert(args.end(), more.begin(), more.end());
+    return run(args);
+  };
+  const Outcome without = drive({});
+  EXPECT_EQ(without.code, app::kFailed);
+  EXPECT_THAT(without.err, HasSubstr("refused (token): a token is needed"));
+  EXPECT_THAT(drive({"--token", scratch.write("wrong", "open\n")}).err, HasSubstr("the token is wrong"));
+  EXPECT_THAT(drive({"--token", scratch.write("empty", " \n")}).err, HasSubstr("is empty"));
+  const Outcome right = drive({"--token", scratch.write("right", "open sesame\n")});
+  EXPECT_EQ(right.code, app::kDone) << right.err;
+  EXPECT_EQ(run({"damp", end.address}).code, app::kFailed);
+  EXPECT_EQ(run({"damp", end.address, "--token", scratch.path("right")}).code, app::kDone);
+  EXPECT_THAT(drive({"--token", scratch.path("right")}).err, HasSubstr("refused (damped)"));
+}
+
+TEST(DriveOverALink, WhatOnlyTheOtherEndKnowsIsNotTakenHere) {
+  const RobotsEnd end;
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--plant", "model"}, "--plant model with --on tcp://"},
+      {{"--scenario", "push"}, "--scenario push with --on tcp://"},
+      {{"--world", "room"}, "stands in 'flat'"},
+  };
+  for (const auto& [more, named] : cases) {
+    std::vector<std::string> args{"drive", "--on", end.address, "--headless", "--seconds", "1", "--world", "flat"};
+    if (more[0] == "--world") args.resize(6);
+    args.insert(args.end(), more.begin(), more.end());
+    const Outcome outcome = run(args);
+    EXPECT_EQ(outcome.code, app::kBadInput) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(named));
+  }
+  EXPECT_THAT(run({"drive", "--on", "udp://x:1"}).err, HasSubstr("is not sim, ideal or tcp://HOST:PORT"));
+  EXPECT_THAT(run({"drive", "--on", "tcp://x"}).err, HasSubstr("is no address"));
+  EXPECT_THAT(run({"robot"}).err, HasSubstr("--sim is missing"));
+}
+
+}  // namespace
+}  // namespace baton

@@ -1,0 +1,207 @@
+#include "baton/link/message.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "baton/model/error.hpp"
+
+namespace baton::link {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename Thrower>
+std::string complaint(const Thrower& thrower) {
+  try {
+    thrower();
+  } catch (const LinkError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Any bit pattern, so infinite and not-a-number too.
+double any_double(std::mt19937_64& random) {
+  const std::uint64_t bits = random();
+  double value = 0.0;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+VecX any_vector(Eigen::Index size, std::mt19937_64& random) {
+  VecX v(size);
+  for (double& value : v)
+    value = any_double(random);
+  return v;
+}
+
+Wrench any_wrench(std::mt19937_64& random) {
+  const VecX v = any_vector(6, random);
+  return {v.head<3>(), v.tail<3>()};
+}
+
+Reading any_reading(Eigen::Index joints, std::mt19937_64& random) {
+  Reading reading;
+  reading.sequence = random();
+  reading.damped = random() % 2 == 0;
+  reading.battery = any_double(random);
+  Measurement& m = reading.measurement;
+  m.t = any_double(random);
+  m.age = any_double(random);
+  m.q = any_vector(joints, random);
+  m.dq = any_vector(joints, random);
+  if (random() % 2 == 0) m.torque = VecX::Random(joints);
+  m.imu.attitude = Eigen::Map<const Mat3>(any_vector(9, random).data());
+  m.imu.rate = any_vector(3, random);
+  m.imu.acceleration = any_vector(3, random);
+  m.sole = {any_wrench(random), any_wrench(random)};
+  if (random() % 2 == 0) {
+    m.root.emplace();
+    m.root->pose = {any_vector(3, random), Eigen::Map<const Mat3>(any_vector(9, random).data())};
+    m.root->velocity = any_vector(3, random);
+    m.root->rate = any_vector(3, random);
+  }
+  return reading;
+}
+
+TEST(LinkMessage, NumbersArriveBitByBitWhateverTheyAre) {
+  std::mt19937_64 random(1);
+  for (int run = 0; run < 2000; ++run) {
+    const auto joints = static_cast<Eigen::Index>(1 + random() % 40);
+    const std::string reading = encode(any_reading(joints, random));
+    EXPECT_EQ(encode(decode_reading(reading, joints)), reading);
+    const Target target{random(), any_vector(joints, random), any_vector(joints, random), any_vector(joints, random)};
+    EXPECT_EQ(encode(decode_target(encode(target), joints)), encode(target));
+    Truth truth;
+    truth.t = any_double(random);
+    truth.q = any_vector(joints + 7, random);
+    truth.dq = any_vector(joints + 6, random);
+    truth.sole = {any_wrench(random), any_wrench(random)};
+    truth.touch = {random() % 2 == 0, random() % 2 == 0};
+    truth.fallen = random() % 2 == 0;
+    truth.fall = truth.fallen ? "left_hand touches the floor" : "";
+    EXPECT_EQ(encode(decode_truth(encode(truth), joints)), encode(truth));
+    EXPECT_EQ(decode_truth(encode(truth), joints).fall, truth.fall);
+  }
+}
+
+TEST(LinkMessage, EachFieldOfAReadingIsWhereTheDocumentSaysItIs) {
+  std::mt19937_64 random(2);
+  Reading reading = any_reading(2, random);
+  reading.measurement.torque = Vec2(5.0, 6.0);
+  reading.measurement.root.reset();
+  const std::string bytes = encode(reading);
+  const auto number_at = [&](std::size_t offset) {
+    double value = 0.0;
+    std::memcpy(&value, bytes.data() + offset, sizeof value);
+    return value;
+  };
+  // sequence 8, state 4, faults 4; then t, age, battery, q, dq, torque, attitude by rows, rate, acceleration, soles
+  ASSERT_EQ(bytes.size(), 16 + 8 * (3 + 3 * 2 + 9 + 3 + 3 + 12));
+  EXPECT_EQ(number_at(16 + 8 * 7), 5.0);
+  EXPECT_EQ(number_at(16 + 8 * 8), 6.0);
+  const auto same = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  EXPECT_TRUE(same(number_at(16 + 8 * 10), reading.measurement.imu.attitude(0, 1)));
+  EXPECT_TRUE(same(number_at(16 + 8 * 24), reading.measurement.sole.left.force.x()));
+  EXPECT_TRUE(same(number_at(16 + 8 * 35), reading.measurement.sole.right.moment.z()));
+}
+
+TEST(LinkMessage, AStreamIsTakenApartWhereverItIsCut) {
+  std::mt19937_64 random(3);
+  for (int run = 0; run < 500; ++run) {
+    std::vector<Message> sent;
+    std::string bytes;
+    for (std::size_t i = 0; i < 1 + random() % 6; ++i) {
+      const auto type = static_cast<Type>(1 + random() % 10);
+      sent.push_back({type, std::string(random() % 300, static_cast<char>(random()))});
+      bytes += framed(type, sent.back().body);
+    }
+    Stream stream;
+    std::size_t received = 0;
+    while (!bytes.empty()) {
+      const std::size_t some = std::min<std::size_t>(1 + random() % 50, bytes.size());
+      stream.bytes() += bytes.substr(0, some);
+      bytes.erase(0, some);
+      while (const std::optional<Message> message = stream.next()) {
+        ASSERT_LT(received, sent.size());
+        EXPECT_EQ(message->type, sent[received].type);
+        EXPECT_EQ(message->body, sent[received].body);
+        ++received;
+      }
+    }
+    EXPECT_EQ(received, sent.size());
+  }
+}
+
+TEST(LinkMessage, WhatIsNoMessageIsSaidAtOnce) {
+  Stream http;
+  http.bytes() = "GET / HTTP/1.1\r\n";
+  EXPECT_THAT(complaint([&] { (void)http.next(); }), HasSubstr("is this a baton link?"));
+  Stream unknown;
+  unknown.bytes() = std::string("\x01\x00\x00\x00\x2a", 5);
+  EXPECT_THAT(complaint([&] { (void)unknown.next(); }), HasSubstr("unknown type 42"));
+}
+
+TEST(LinkMessage, ABodyOfAnyOtherLengthIsRefused) {
+  std::mt19937_64 random(4);
+  Reading reading = any_reading(3, random);
+  reading.measurement.root.reset();
+  const std::string whole = encode(reading);
+  const std::string target = encode(Target{1, VecX::Zero(3), VecX::Zero(3), VecX::Zero(3)});
+  for (std::size_t size = 0; size < whole.size() + 200; ++size) {
+    std::string body = whole;
+    body.resize(size);
+    const bool right = size == whole.size() || size == whole.size() + 18 * 8;  // with the root
+    EXPECT_EQ(complaint([&] { (void)decode_reading(body, 3); }).empty(), right) << size;
+    body.resize(std::min(size, target.size() + 50));
+    EXPECT_EQ(complaint([&] { (void)decode_target(body, 3); }).empty(), body.size() == target.size());
+  }
+}
+
+TEST(LinkMessage, HandshakesSurviveTheWayAndSayWhatIsWrong) {
+  const Hello hello = decode_hello(encode(Hello{7, "a \"secret\" \xc3\xa9", Hello::Role::damp}));
+  EXPECT_EQ(hello.version, 7);
+  EXPECT_EQ(hello.token, "a \"secret\" \xc3\xa9");
+  EXPECT_EQ(hello.role, Hello::Role::damp);
+  EXPECT_EQ(decode_hello(R"({"baton": 1})").role, Hello::Role::drive);
+
+  const Welcome welcome = decode_welcome(encode(Welcome{1, "mighty", {"a", "b"}, 0.005, true, "sim", "room"}));
+  EXPECT_EQ(welcome.joints, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(welcome.period, 0.005);
+  EXPECT_EQ(welcome.world, "room");
+
+  const Start start = decode_start(encode(Start{"pd", Vec2(1, 2), Vec2(3, 4)}), 2);
+  EXPECT_EQ(start.kd[1], 4.0);
+
+  const std::vector<std::pair<std::function<void()>, std::string>> cases{
+      {[] { (void)decode_hello("{"); }, "hello"},
+      {[] { (void)decode_hello("{}"); }, "baton"},
+      {[] { (void)decode_hello(R"({"baton": 1, "role": "king"})"); }, "role"},
+      {[] { (void)decode_welcome(R"({"baton": 1, "robot": "r", "joints": [1], "period": 1, "lock_step": true})"); },
+       "joints"},
+      {[] { (void)decode_welcome(R"({"baton": 1, "robot": "r", "joints": ["a"], "period": 0, "lock_step": true})"); },
+       "period"},
+      {[] { (void)decode_start(R"({"drive": "pd", "kp": [1, 2], "kd": [1]})", 2); }, "kd"},
+      {[] { (void)decode_start(R"({"drive": "fast", "kp": [1], "kd": [1]})", 1); }, "drive"},
+  };
+  for (const auto& [read, named] : cases)
+    EXPECT_THAT(complaint(read), HasSubstr(named));
+}
+
+TEST(LinkMessage, AnAddressIsReadOrRefused) {
+  EXPECT_EQ(Address::parse("tcp://robot.local:7447").host, "robot.local");
+  EXPECT_EQ(Address::parse("127.0.0.1:7").port, 7);
+  EXPECT_EQ(Address::parse("[::1]:80").text(), "tcp://[::1]:80");
+  for (const char* bad : {"", "tcp://", "host", ":1", "host:", "host:x", "host:1x", "host:65536", "host:-1", "::1:80"})
+    EXPECT_THROW((void)Address::parse(bad), InputError) << bad;
+  EXPECT_TRUE(Address::parse("127.0.0.1:0").loopback());
+  EXPECT_TRUE(Address::parse("[::1]:0").loopback());
+  EXPECT_FALSE(Address::parse("0.0.0.0:0").loopback());
+}
+
+}  // namespace
+}  // namespace baton::link

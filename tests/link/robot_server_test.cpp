@@ -1,0 +1,510 @@
+#include "baton/link/robot_server.hpp"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "baton/ik/stand.hpp"
+#include "baton/link/remote_robot.hpp"
+#include "baton/model/error.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/proving/stick.hpp"
+#include "baton/run/simulation.hpp"
+#include "tests/support/robots.hpp"
+
+namespace baton::link {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr Socket::Time kPatience{20'000};
+
+/// A simulated robot that is served by a thread.
+class Served {
+ public:
+  explicit Served(const RobotModel& model, const Plant& plant = {}, const std::string& token = "")
+      : robot_(model, world_, stand(model, world_.site("start"), model.profile().stance.com_height),
+               model.profile().tick.period, physics(plant)),
+        server_(model, robot_,
+                {.listen = {"127.0.0.1", 0},
+                 .token = token,
+                 .world = "flat",
+                 .log = [this](const std::string& text) { log_.push_back(text); }}),
+        address_(server_.address()),
+        thread_([this] { serve(); }) {}
+  ~Served() {
+    stop_ = true;
+    thread_.join();
+  }
+
+  [[nodiscard]] const Address& address() const { return address_; }
+  [[nodiscard]] const World& world() const { return world_; }
+
+  /// Calls this in the thread, between two messages.
+  void at_the_robot(const std::function<void(RobotServer&)>& act) {
+    {
+      const std::lock_guard lock(mutex_);
+      due_ = act;
+    }
+    while (true) {
+      const std::lock_guard lock(mutex_);
+      if (!due_) return;
+    }
+  }
+  /// What was logged so far, line by line.
+  [[nodiscard]] std::string log() {
+    std::string all;
+    at_the_robot([&](RobotServer&) {
+      for (const std::string& line : log_)
+        all += line + '\n';
+    });
+    return all;
+  }
+
+ private:
+  static SimulatedRobot::Parameters physics(const Plant& plant) {
+    SimulatedRobot::Parameters parameters;
+    parameters.plant = plant;
+    return parameters;
+  }
+  void serve() {
+    while (!stop_) {
+      server_.serve(Socket::Time(1));
+      const std::lock_guard lock(mutex_);
+      if (due_) due_(server_);
+      due_ = nullptr;
+    }
+  }
+
+  const World world_ = World::load("flat");
+  SimulatedRobot robot_;
+  std::vector<std::string> log_;
+  RobotServer server_;
+  const Address address_;
+  std::mutex mutex_;
+  std::function<void(RobotServer&)> due_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// A connection without manners.
+class Raw {
+ public:
+  explicit Raw(const Address& address) : socket_(Socket::connect(address, kPatience)) {}
+
+  void send(const std::string& bytes) { socket_.send(bytes, kPatience); }
+  void send(Type type, const std::string& body) { send(framed(type, body)); }
+  Message receive() {
+    while (true) {
+      if (const std::optional<Message> message = stream_.next()) return *message;
+      if (!socket_.receive(stream_.bytes(), kPatience)) throw LinkError("nothing came");
+    }
+  }
+  /// The next message that is not truth.
+  Message answer() {
+    Message message = receive();
+    while (message.type == Type::truth)
+      message = receive();
+    return message;
+  }
+  /// Whether the other end closes the connection.
+  bool closed() {
+    try {
+      while (socket_.receive(stream_.bytes(), kPatience)) {
+      }
+    } catch (const LinkError&) {
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  Socket socket_;
+  Stream stream_;
+};
+
+std::string hello(int version = kVersion, const std::string& token = "") {
+  return encode(Hello{version, token, Hello::Role::drive});
+}
+
+Start start_of(const RobotModel& model) {
+  Start start{std::string(to_string(model.profile().drive)), VecX(model.nv() - 6), VecX(model.nv() - 6)};
+  for (Eigen::Index i = 0; i < start.kp.size(); ++i) {
+    const Profile::Gains& gains = model.joints()[static_cast<std::size_t>(i)].gains;
+    start.kp[i] = gains.kp;
+    start.kd[i] = gains.kd;
+  }
+  return start;
+}
+
+std::string refused(const Message& message) {
+  if (message.type != Type::refusal) return "";
+  const Refusal refusal = decode_refusal(message.body);
+  return refusal.reason + ": " + refusal.text;
+}
+
+template <typename Thrower>
+std::string complaint(const Thrower& thrower) {
+  try {
+    thrower();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class RobotServerTest : public testing::TestWithParam<std::string> {
+ protected:
+  const RobotModel& robot_ = test::robot(GetParam());
+  const Eigen::Index n_ = robot_.nv() - 6;
+
+  [[nodiscard]] Reading reading(const Message& message) const {
+    EXPECT_EQ(message.type, Type::measurement);
+    return decode_reading(message.body, n_);
+  }
+  [[nodiscard]] Simulation remote(Served& served, const std::string& token = "") const {
+    return {robot_, served.world(),
+            std::make_unique<RemoteRobot>(robot_, "flat", RemoteRobot::Parameters{served.address(), token}),
+            Simulation::Parameters{}};
+  }
+  [[nodiscard]] Simulation inside(const World& world, const Plant& plant) const {
+    Simulation::Parameters parameters;
+    parameters.physics.plant = plant;
+    return {robot_, world, Simulation::On::sim, parameters};
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, RobotServerTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(RobotServerTest, ARunIsTheSameBitByBitAsWithTheSimulatorInside) {
+  for (const auto& [name, times] : std::vector<std::pair<std::string, double>>{{"push", 2.0}, {"glitches", 2.0}, {"push_fore", 2.5}}) {
+    const Scenario& scenario = scenario_named(name);
+    const Plant plant = plant_of(true, &scenario, robot_, 5, times);
+    Served served(robot_, plant);
+    Simulation here = inside(served.world(), plant);
+    Simulation there = remote(served);
+    const std::unique_ptr<Device> stick = stick_of(scenario, robot_, 5);
+    long ticks = 0;
+    while (here.session().t() < 5.0 && !here.session().fallen()) {
+      const Command command = stick->read(here.session().t());
+      here.session().step(command);
+      there.session().step(command);
+      ASSERT_EQ(here.truth().q, there.truth().q) << name << " at " << here.session().t();
+      ASSERT_EQ(here.truth().dq, there.truth().dq);
+      ASSERT_EQ(here.truth().sole.left.force, there.truth().sole.left.force);
+      ASSERT_EQ(here.session().fallen(), there.session().fallen());
+      ++ticks;
+    }
+    EXPECT_EQ(here.truth().fall, there.truth().fall);
+    EXPECT_GT(ticks, 200);
+    EXPECT_EQ(served.log(), "a driver has taken over\n");  // and no target was rejected
+  }
+}
+
+TEST_P(RobotServerTest, WhoeverDrivesNextBeginsAnewHoweverTheLastOneLeft) {
+  const Plant plant = plant_of(true, nullptr, robot_, 3, 1.0);
+  Served served(robot_, plant);
+  std::mt19937_64 random(6);
+  std::vector<VecX> first;
+  for (int run = 0; run < 12; ++run) {
+    const auto ticks = static_cast<std::size_t>(1 + random() % 60);
+    if (run % 3 == 2) {  // cut in the middle of a message
+      Raw raw(served.address());
+      raw.send(Type::hello, hello());
+      EXPECT_EQ(raw.answer().type, Type::welcome);
+      raw.send(Type::start, encode(start_of(robot_)));
+      EXPECT_EQ(raw.answer().type, Type::measurement);
+      raw.send(framed(Type::target, std::string(100, 'x')).substr(0, random() % 100));
+      continue;
+    }
+    Simulation simulation = remote(served);
+    for (std::size_t tick = 0; tick < ticks; ++tick) {
+      Command command;
+      command.axes[0] = 1.0;
+      simulation.session().step(command);
+      if (tick < first.size()) {
+        ASSERT_EQ(simulation.truth().q, first[tick]);
+      } else {
+        first.push_back(simulation.truth().q);
+      }
+    }
+  }
+  EXPECT_GT(first.size(), 20U);
+  EXPECT_THAT(served.log(), HasSubstr("handed the robot back"));
+  EXPECT_THAT(served.log(), HasSubstr("driver lost"));
+}
+
+TEST_P(RobotServerTest, WhoMayNotDriveIsToldWhy) {
+  Served served(robot_, {}, "secret");
+  for (const char* wrong : {"", "Secret", "secre", "secret "}) {
+    Raw raw(served.address());
+    raw.send(Type::hello, hello(kVersion, wrong));
+    EXPECT_THAT(refused(raw.answer()), HasSubstr("token: "));
+    EXPECT_TRUE(raw.closed());
+  }
+  Raw old(served.address());
+  old.send(Type::hello, hello(kVersion + 1, "secret"));
+  EXPECT_THAT(refused(old.answer()), HasSubstr("version: version 2 of the protocol: must be 1"));
+
+  EXPECT_THAT(complaint([&] { (void)remote(served, "guess"); }), HasSubstr("refused (token)"));
+  Simulation driver = remote(served, "secret");
+  EXPECT_THAT(complaint([&] { (void)remote(served, "secret"); }), HasSubstr("refused (busy)"));
+  driver.session().step(Command{});  // undisturbed by that
+  EXPECT_GT(driver.truth().t, 0.0);
+}
+
+TEST_P(RobotServerTest, AnAddressThatOthersReachNeedsAToken) {
+  Simulation simulation = inside(World::load("flat"), {});
+  EXPECT_THAT(complaint([&] {
+                RobotServer(robot_, *simulation.simulated(), {.listen = {"0.0.0.0", 0}});
+              }),
+              HasSubstr("needs a token"));
+  EXPECT_NO_THROW(RobotServer(robot_, *simulation.simulated(), {.listen = {"0.0.0.0", 0}, .token = "t"}));
+}
+
+TEST_P(RobotServerTest, ServosOfOtherGainsAreRefused) {
+  Served served(robot_);
+  for (int k = 0; k < 3; ++k) {
+    Start start = start_of(robot_);
+    if (k == 0) start.kp[1] *= 1.5;
+    if (k == 1) start.kd[0] *= 0.5;
+    if (k == 2) start.drive = start.drive == "stiff" ? "pd" : "stiff";
+    Raw raw(served.address());
+    raw.send(Type::hello, hello());
+    EXPECT_EQ(raw.answer().type, Type::welcome);
+    raw.send(Type::start, encode(start));
+    const std::string why = refused(raw.answer());
+    EXPECT_THAT(why, HasSubstr("servos: "));
+    EXPECT_THAT(why, HasSubstr(k == 2 ? "drive" : robot_.joints()[k == 0 ? 1 : 0].name));
+  }
+}
+
+TEST_P(RobotServerTest, ATargetThatJumpsOrComesOutOfOrderMovesNothing) {
+  Served served(robot_);
+  Raw raw(served.address());
+  raw.send(Type::hello, hello());
+  EXPECT_EQ(raw.answer().type, Type::welcome);
+  raw.send(Type::start, encode(start_of(robot_)));
+  const Reading first = reading(raw.answer());
+  EXPECT_EQ(first.sequence, 0U);
+  const VecX zero = VecX::Zero(n_);
+  Target target{0, first.measurement.q, zero, zero};
+  const Range& range = robot_.joints()[3].position;
+  const double middle = 0.5 * (range.lo + range.hi);
+  const std::vector<std::pair<std::function<void(Target&)>, std::string>> cases{
+      {[&](Target& t) { t.q[3] += t.q[3] > middle ? -0.6 : 0.6; }, "jump"},
+      {[](Target& t) { t.q[0] = std::numeric_limits<double>::quiet_NaN(); }, "finite"},
+      {[](Target& t) { t.sequence += 1; }, "an answer to measurement"},
+      {[](Target& t) { t.sequence -= 1; }, "an answer to measurement"},
+      {[](Target& t) { t.tau[2] = 1e9; }, "torque"},
+  };
+  Reading last = first;
+  for (const auto& [spoil, named] : cases) {
+    target.sequence = last.sequence;
+    Target bad = target;
+    spoil(bad);
+    raw.send(Type::target, encode(bad));
+    const Message rejected = raw.answer();
+    ASSERT_EQ(rejected.type, Type::rejected) << named;
+    EXPECT_THAT(decode_text(rejected.body), HasSubstr(named));
+    const Reading next = reading(raw.answer());
+    EXPECT_EQ(next.sequence, last.sequence + 1);
+    EXPECT_LT((next.measurement.q - first.measurement.q).cwiseAbs().maxCoeff(), 0.05);
+    last = next;
+  }
+  target.sequence = last.sequence;
+  raw.send(Type::target, encode(target));
+  EXPECT_EQ(raw.answer().type, Type::measurement);
+  EXPECT_THAT(served.log(), HasSubstr("target rejected"));
+}
+
+TEST_P(RobotServerTest, DampedItsMotorsOnlyBrakeUntilItIsArmedAtTheRobotsEnd) {
+  Served served(robot_);
+  for (const bool by_key : {true, false}) {
+    Simulation simulation = remote(served);
+    auto& session = simulation.session();
+    for (int tick = 0; tick < 20; ++tick)
+      session.step(Command{});
+    const double height = simulation.truth().q[2];
+    if (by_key) {
+      served.at_the_robot([](RobotServer& server) { server.damp("by the robot's own key"); });
+    } else {
+      damp(served.address(), "");
+    }
+    EXPECT_THAT(complaint([&] { (void)remote(served); }), HasSubstr("refused (damped)"));
+    for (int tick = 0; tick < 400; ++tick)
+      session.step(Command{});
+    EXPECT_LT(simulation.truth().q[2], 0.8 * height);  // whatever the navigator asked for
+    served.at_the_robot([](RobotServer& server) {
+      EXPECT_EQ(server.state(), RobotServer::State::damped);
+      server.arm();
+      EXPECT_EQ(server.state(), RobotServer::State::waiting);
+    });
+    EXPECT_THAT(complaint([&] { session.step(Command{}); }), HasSubstr(served.address().text()));
+    Simulation again = remote(served);
+    again.session().step(Command{});
+    EXPECT_NEAR(again.truth().q[2], height, 0.01 * height);
+  }
+}
+
+TEST_P(RobotServerTest, NoBytesWhateverTheyAreKeepADriverAway) {
+  Served served(robot_);
+  std::mt19937_64 random(7);
+  for (int run = 0; run < 300; ++run) {
+    std::string bytes;
+    switch (random() % 4) {
+      case 0:
+        for (std::size_t i = 0; i < random() % 200; ++i)
+          bytes += static_cast<char>(random());
+        break;
+      case 1:
+        bytes = framed(static_cast<Type>(1 + random() % 10), std::string(random() % 100, static_cast<char>(random())));
+        break;
+      case 2:
+        bytes = framed(Type::hello, hello());
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+        break;
+      default:
+        bytes = framed(Type::hello, hello()) + framed(Type::start, encode(start_of(robot_)));
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+    }
+    try {
+      Raw raw(served.address());
+      raw.send(bytes);
+      if (random() % 2 == 0) raw.send(framed(static_cast<Type>(1 + random() % 10), bytes));
+    } catch (const LinkError&) {  // it may close while we still send
+    }
+  }
+  // A driver that says no more is dropped only after its time for that: it has to be gone, not silent.
+  std::string why = "?";
+  for (int attempt = 0; attempt < 1000 && !why.empty(); ++attempt) {
+    why = complaint([&] {
+      Simulation simulation = remote(served);
+      for (int tick = 0; tick < 20; ++tick)
+        simulation.session().step(Command{});
+      EXPECT_NEAR(simulation.truth().t, 20 * robot_.profile().tick.period, 1e-9);
+    });
+  }
+  EXPECT_EQ(why, "");
+}
+
+/// A robot's end that says what it is told to.
+class Puppet {
+ public:
+  explicit Puppet(const RobotModel& model) : model_(&model), listener_(Socket::listen({"127.0.0.1", 0})) {
+    welcome.robot = "puppet";
+    for (const Joint& joint : model.joints())
+      welcome.joints.push_back(joint.name);
+    welcome.period = model.profile().tick.period;
+    Reading reading;
+    const VecX q = stand(model, Pose{}, model.profile().stance.com_height).q.tail(model.nv() - 6);
+    reading.measurement.q = q;
+    reading.measurement.dq = VecX::Zero(q.size());
+    first = reading;
+  }
+  /// Says all of it at once, to one driver; then it is silent until it is destroyed, or hangs up.
+  std::string driven(const std::vector<std::string>& more, bool hangs_up = false) {
+    std::string why;
+    std::thread driver([&] {
+      why = complaint([&] {
+        RemoteRobot::Parameters parameters{{"127.0.0.1", listener_.port()}, ""};
+        parameters.connecting = parameters.answering = silence;
+        RemoteRobot remote(*model_, "flat", parameters);
+        JointTarget target;
+        target.q = first.measurement.q;
+        target.dq = target.tau = target.ddq = VecX::Zero(target.q.size());
+        for (int tick = 0; tick < 3; ++tick)
+          remote.write(target);
+      });
+    });
+    {
+      std::optional<Socket> peer;
+      while (!peer)
+        peer = listener_.accept();
+      std::string bytes = framed(Type::welcome, encode(welcome));
+      for (const std::string& message : more)
+        bytes += message;
+      peer->send(bytes, kPatience);
+      if (hangs_up) peer.reset();
+      driver.join();
+    }
+    return why;
+  }
+  [[nodiscard]] std::string measurement(std::uint64_t sequence) const {
+    Reading reading = first;
+    reading.sequence = sequence;
+    return framed(Type::measurement, encode(reading));
+  }
+
+  Welcome welcome;
+  Reading first;
+  Socket::Time silence{kPatience};
+
+ private:
+  const RobotModel* model_;
+  Socket listener_;
+};
+
+TEST_P(RobotServerTest, ARobotThatIsNotTheOneExpectedIsNotDriven) {
+  const auto puppet_with = [&](const std::function<void(Puppet&)>& change) {
+    Puppet puppet(robot_);
+    change(puppet);
+    return puppet.driven({puppet.measurement(0)});
+  };
+  EXPECT_THAT(puppet_with([](Puppet& p) { std::swap(p.welcome.joints[0], p.welcome.joints[1]); }),
+              HasSubstr("as joint 0: must be '" + robot_.joints()[0].name));
+  EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.joints.pop_back(); }), HasSubstr("has 'none' as joint"));
+  EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.period *= 2.0; }), HasSubstr("has a tick of"));
+  EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.version = 9; }), HasSubstr("speaks version 9"));
+  EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.world = "room"; }), HasSubstr("stands in 'room'"));
+  EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.lock_step = false; }), HasSubstr("lock-step"));
+  EXPECT_THAT(puppet_with([](Puppet& p) { p.first.measurement.q[4] += 0.5; }),
+              HasSubstr(robot_.joints()[4].name + " is at"));
+}
+
+TEST_P(RobotServerTest, ARobotThatBreaksTheProtocolIsNoticed) {
+  const auto said = [&](const std::function<std::vector<std::string>(const Puppet&)>& messages, bool hangs_up = false,
+                        Socket::Time silence = kPatience) {
+    Puppet puppet(robot_);
+    puppet.silence = silence;
+    return puppet.driven(messages(puppet), hangs_up);
+  };
+  using Messages = std::vector<std::string>;
+  EXPECT_EQ(said([](const Puppet& p) {
+              return Messages{p.measurement(0), p.measurement(1), p.measurement(2), p.measurement(3)};
+            }),
+            "");
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), p.measurement(0)}; }),
+              HasSubstr("measurement 0 in place of 1"));  // twice
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), p.measurement(2)}; }),
+              HasSubstr("measurement 2 in place of 1"));  // one lost
+  EXPECT_THAT(said([](const Puppet&) { return Messages{framed(Type::measurement, "short")}; }),
+              HasSubstr("too short"));
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), framed(Type::hello, hello())}; }),
+              HasSubstr("in place of a measurement"));
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), "HTTP/1.1 400"}; }),
+              HasSubstr("is this a baton link?"));
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0)}; }, true), HasSubstr("the other end"));
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), framed(Type::bye)}; }),
+              HasSubstr("has ended the connection"));
+  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0)}; }, false, Socket::Time(30)),
+              HasSubstr("nothing from the robot for 30 ms"));
+}
+
+TEST(RemoteRobot, NobodyThereIsSaidWithTheAddress) {
+  const int port = [] {
+    const Socket free = Socket::listen({"127.0.0.1", 0});
+    return free.port();
+  }();
+  const std::string why = complaint(
+      [&] { (void)RemoteRobot(test::robot("mighty"), "flat", RemoteRobot::Parameters{{"127.0.0.1", port}, ""}); });
+  EXPECT_THAT(why, HasSubstr("tcp://127.0.0.1:" + std::to_string(port)));
+  EXPECT_THAT(why, HasSubstr("refused"));
+}
+
+}  // namespace
+}  // namespace baton::link
