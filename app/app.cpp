@@ -89,13 +89,7 @@ void add_modes(CLI::App& command, ModeOptions& modes) {
       ->check(CLI::IsMember({"discard", "shrink"}));
 }
 
-void add_physics(CLI::App& command, PhysicsOptions& physics) {
-  command
-      .add_option("--state", physics.state,
-                  "Source of the state estimate: sensors (encoders, IMU, sole forces), torques (motor torques instead "
-                  "of sole forces), perfect")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"sensors", "torques", "perfect"}));
+void add_plant(CLI::App& command, PhysicsOptions& physics) {
   command.add_option("--drive", physics.drive, "Drive of the servos; default: the profile's")
       ->check(CLI::IsMember({"torque", "pd", "stiff"}));
   command
@@ -108,6 +102,16 @@ void add_physics(CLI::App& command, PhysicsOptions& physics) {
   command.add_option("--times", physics.times, "How many times as large the scenario's disturbances are")
       ->capture_default_str()
       ->transform(number(0.0, 100.0));
+}
+
+void add_physics(CLI::App& command, PhysicsOptions& physics) {
+  command
+      .add_option("--state", physics.state,
+                  "Source of the state estimate: sensors (encoders, IMU, sole forces), torques (motor torques instead "
+                  "of sole forces), perfect")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"sensors", "torques", "perfect"}));
+  add_plant(command, physics);
 }
 
 void add_answers(CLI::App& command, AnswerOptions& answers) {
@@ -132,7 +136,7 @@ void add_robot(CLI::App& command, RobotOptions& o) {
   command.add_flag("--sim", o.sim, "The simulated robot");
   command.add_option("--robot", o.robot, "Robot")->capture_default_str();
   command.add_option("--world", o.world, "World in which it stands")->capture_default_str();
-  add_physics(command, o.physics);
+  add_plant(command, o.physics);
   command.add_option("--seed", o.seed, "Seed of plant and scenario")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));

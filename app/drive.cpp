@@ -204,11 +204,16 @@ int drive(const DriveOptions& o) {
   const auto finish = [&] {
     const nlohmann::json summary =
         outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
-    const auto& segments = summary["segments"];
-    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {:.2f} m, {}\n", session.t(), o.on,
-               world.name(), segments["committed"].get<long>(), summary["commands"]["moved"].get<long>(),
-               summary["commands"]["given"].get<long>(), summary["travel_m"].get<double>(),
-               session.fallen() ? "fallen: " + simulation.truth().fall : "on its feet");
+    const auto number = [](const nlohmann::json& value, const char* format) {  // unknown without truth
+      return value.is_null() ? std::string("?") : fmt::format(fmt::runtime(format), value.get<double>());
+    };
+    const nlohmann::json& commands = summary["commands"];
+    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}\n", session.t(), o.on,
+               world.name(), summary["segments"]["committed"].get<long>(), number(commands["moved"], "{:.0f}"),
+               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"),
+               session.fallen()            ? "fallen: " + simulation.truth().fall
+               : session.truth() == nullptr ? "as far as its sensors tell on its feet"
+                                            : "on its feet");
     std::fflush(stdout);
   };
   if (!session.fallen()) {

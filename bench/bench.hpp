@@ -64,6 +64,7 @@ Rows bench_ik(const Options&);
 Rows bench_run(const Options&);
 Rows bench_baseline(const Options&);
 Rows bench_latency(const Options&);
+Rows bench_link(const Options&);
 Rows bench_robots(const Options&);
 
 /// Inverse kinematics of a robot that walks and reaches.

@@ -43,7 +43,8 @@ int main(int argc, char** argv) {
   using namespace baton::bench;
   const std::vector<std::pair<std::string, Rows (*)(const Options&)>> groups{
       {"plan", bench_plan}, {"duration", bench_duration}, {"segment", bench_segment}, {"ik", bench_ik},
-      {"run", bench_run},   {"baseline", bench_baseline}, {"latency", bench_latency}, {"robots", bench_robots}};
+      {"run", bench_run},   {"baseline", bench_baseline}, {"latency", bench_latency}, {"robots", bench_robots},
+      {"link", bench_link}};
   CLI::App app("Thread CPU times, durations, a baseline, and latencies, as one table.");
   Options options;
   std::vector<std::string> chosen;
@@ -53,7 +54,7 @@ int main(int argc, char** argv) {
   app.add_option("groups", chosen, "which of" + names + " (all)");
   app.add_option("--scripts", options.scripts,
                  "for `baseline`: this many for both sides (1000, and what a minute takes)");
-  app.add_option("--robot", options.robot, "for `latency`: a name in robots/ or a profile's file (mighty)");
+  app.add_option("--robot", options.robot, "for `latency` and `link`: a name in robots/ or a profile's file (mighty)");
   app.add_option("--trials", options.trials, "for `latency`: changes of the command (1000)")
       ->check(CLI::Range(1, 1000000));
   CLI11_PARSE(app, argc, argv);

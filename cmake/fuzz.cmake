@@ -13,6 +13,7 @@ list(
   baton/guide/command.cpp
   baton/input/json_reader.cpp
   baton/input/script.cpp
+  baton/link/message.cpp
   baton/plan/retrace.cpp
   baton/record/motion_file.cpp
   baton/record/output_file.cpp
@@ -37,7 +38,7 @@ target_link_libraries(
   PRIVATE baton_options)
 
 add_custom_target(fuzz)
-foreach(target script profile urdf page recording motion)
+foreach(target script profile urdf page recording motion link)
   add_executable(fuzz_${target} EXCLUDE_FROM_ALL tests/fuzz/fuzz_${target}.cpp)
   set_target_properties(fuzz_${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   target_link_libraries(fuzz_${target} PRIVATE baton_fuzzed baton_options)

@@ -22,7 +22,7 @@ namespace baton {
 namespace {
 
 constexpr std::string_view kScheme = "tcp://";
-constexpr int kWaiting = 8;    ///< connections that wait to be accepted
+constexpr int kWaiting = 64;   ///< connections that wait to be accepted
 constexpr int kSilence = 5;    ///< after which the other end is asked whether it is still there [s]
 constexpr int kQuestions = 3;  ///< so many times, a second apart
 

@@ -1,0 +1,155 @@
+"""The two ends of a connection as processes of their own, and a robot's end that is not ours (examples/06_robot.py)."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BATON = pathlib.Path(os.environ.get("BATON", ROOT / "build" / "release" / "baton"))
+WALK = ROOT / "examples" / "02_walk_and_turn.jsonl"
+
+pytestmark = pytest.mark.skipif(not BATON.is_file(), reason=f"no program at {BATON}: make build, or set BATON")
+
+
+class RobotsEnd:
+    """`baton robot`, or another program that says where it listens, as a context."""
+
+    def __init__(self, *command):
+        self.process = subprocess.Popen(
+            [str(part) for part in command],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        first = self.process.stdout.readline()
+        port = re.search(r"(?:port |:)(\d+)(?:;|\s*$)", first)
+        assert port, first + self.process.stderr.read()
+        self.address = f"tcp://127.0.0.1:{port[1]}"
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.communicate()
+
+    def type(self, line):
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+
+    def await_log(self, text):
+        """Reads its log up to a line that contains this."""
+        for line in self.process.stderr:
+            if text in line:
+                return
+        raise AssertionError(f"{text!r} was not logged")
+
+
+def simulated(*more):
+    return RobotsEnd(BATON, "robot", "--sim", "--world", "flat", "--seed", "2", "--listen", "127.0.0.1:0", *more)
+
+
+def drive_command(on, seconds, *more):
+    return [str(BATON), "drive", "--on", on, "--world", "flat", "--headless", "--input", f"script:{WALK}",
+            "--seconds", str(seconds), *map(str, more)]  # fmt: skip
+
+
+def drive(on, seconds, *more):
+    return subprocess.run(drive_command(on, seconds, "--fast", *more), capture_output=True, text=True, timeout=120)
+
+
+def test_two_processes_give_the_run_of_one(tmp_path):
+    with simulated() as end:
+        there = drive(end.address, 4, "--trace", tmp_path / "there.csv")
+    inside = drive("sim", 4, "--seed", 2, "--trace", tmp_path / "inside.csv")
+    assert there.returncode == inside.returncode == 0, there.stderr + inside.stderr
+    assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "inside.csv").read_bytes()
+
+
+def test_a_driver_that_is_killed_leaves_the_robot_to_the_next(tmp_path):
+    with simulated() as end:
+        victim = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE)
+        end.await_log("a driver has taken over")
+        victim.send_signal(signal.SIGKILL)
+        victim.communicate()
+        end.await_log("driver lost")
+        assert drive(end.address, 1).returncode == 0
+
+
+def test_a_robot_that_is_killed_ends_the_run_with_its_files_written(tmp_path):
+    report, trace = tmp_path / "report.json", tmp_path / "trace.csv"
+    with simulated() as end:
+        driver = subprocess.Popen(
+            drive_command(end.address, 60, "--report", report, "--trace", trace), stderr=subprocess.PIPE, text=True
+        )
+        end.await_log("a driver has taken over")
+        end.process.kill()
+        _, log = driver.communicate(timeout=30)
+    assert driver.returncode == 1
+    assert end.address in log
+    assert end.address in json.loads(report.read_text())["link"]["broken"]
+    assert len(trace.read_text().splitlines()) > 1
+
+
+def test_damp_is_latched_whoever_asks_for_it():
+    with simulated() as end:
+        driver = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE, text=True)
+        end.await_log("a driver has taken over")
+        end.type("d")
+        _, log = driver.communicate(timeout=30)
+        assert driver.returncode == 1
+        assert "the robot was damped: by the robot's own key" in log
+        assert "refused (damped)" in drive(end.address, 1).stderr
+        end.type("a")
+        end.await_log("armed")
+        assert drive(end.address, 1).returncode == 0
+
+        assert subprocess.run([BATON, "damp", end.address], capture_output=True).returncode == 0
+        assert "refused (damped)" in drive(end.address, 1).stderr
+        end.process.send_signal(signal.SIGINT)
+        assert end.process.wait(timeout=10) == 0
+
+
+def test_a_second_driver_is_refused():
+    with simulated() as end:
+        first = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE)
+        end.await_log("a driver has taken over")
+        assert "refused (busy)" in drive(end.address, 1).stderr
+        first.send_signal(signal.SIGINT)  # comes to rest, and hands the robot back
+        first.communicate(timeout=60)
+        assert first.returncode == 0
+        end.await_log("handed the robot back")
+
+
+def test_only_this_machine_without_a_token(tmp_path):
+    done = subprocess.run(
+        [BATON, "robot", "--sim", "--listen", "0.0.0.0:0"], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 2
+    assert "needs a token" in done.stderr
+    token = tmp_path / "token"
+    token.write_text("sesame\n")
+    with simulated("--token", token) as end:
+        assert "refused (token)" in drive(end.address, 1).stderr
+        assert drive(end.address, 1, "--token", token).returncode == 0
+
+
+def test_a_robot_in_python_is_driven_by_its_torques(tmp_path):
+    report = tmp_path / "report.json"
+    with RobotsEnd(sys.executable, ROOT / "examples" / "06_robot.py", "0") as end:
+        done = drive(end.address, 12, "--state", "torques", "--report", report)
+        assert done.returncode == 0, done.stderr
+        said, _ = end.process.communicate(timeout=10)
+    assert "driven for 2400 ticks" in said
+    result = json.loads(report.read_text())
+    assert result["on"] == "real"
+    assert result["segments"]["committed"] > 20
+    assert result["segments"]["refused"] == {} and result["sensors"] == {}
+    assert result["final"] is None  # as it has no truth
