@@ -50,13 +50,27 @@ void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, c
   }
 }
 
+/// @throws InputError the robot does not measure what the state is estimated from
+void check_sensors(const Measurement& measured, StateSource source, const std::string& on) {
+  const auto because = [&](const char* lacks, const char* must) {
+    throw InputError(fmt::format("--state {}: the robot at {} measures no {}: must be {}", to_string(source), on, lacks, must));
+  };
+  const auto feels = [&](Side side) { return !measured.sole[side].force.array().isNaN().all(); };
+  if (source == StateSource::sensors && !feels(Side::left) && !feels(Side::right))
+    because("forces on its soles", "--state torques");
+  if (source == StateSource::torques && measured.torque.size() == 0) because("motor torques", "--state sensors");
+  if (source == StateSource::perfect && !measured.root) because("pose of its root", "--state sensors or torques");
+}
+
 /// The robot at the other end of `--on`, if it is an address.
 /// @throws InputError options that only the robot's own end has; it is another robot, or stands elsewhere
 std::unique_ptr<link::RemoteRobot> remote_robot(const DriveOptions& o, const RobotModel& robot, const World& world) {
   if (!is_address(o.on)) return nullptr;
   check_physics(o.physics, o.on);
-  return std::make_unique<link::RemoteRobot>(robot, world.name(),
-                                             link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token)});
+  auto remote = std::make_unique<link::RemoteRobot>(
+      robot, world.name(), link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token)});
+  check_sensors(remote->read(), state_named(o.physics.state), o.on);
+  return remote;
 }
 
 /// Warns of targets that the robot has rejected since the last call.

@@ -143,6 +143,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
 
 bool RobotServer::begin(Peer& peer, const Message& message) {
   if (peer.started) return refuse(peer, "protocol", "a second start");
+  if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
   const Start start = decode_start(message.body, model_->nv() - 6);
   const std::string drive(to_string(model_->profile().drive));
   if (start.drive != drive)
@@ -223,7 +224,7 @@ void RobotServer::damp(const std::string& because) {
   state_ = State::damped;
   damped_because_ = because;
   parameters_.log("damped: " + because);
-  if (!driver_ || !driver_->started) return;
+  if (!driver_) return;
   try {
     driver_->socket.send(framed(Type::damp, encode_text(because)), kSending);
   } catch (const LinkError&) {  // `serve` finds that out, too
@@ -232,6 +233,12 @@ void RobotServer::damp(const std::string& because) {
 
 void RobotServer::arm() {
   if (state_ != State::damped) return;
+  if (driver_) {
+    try {
+      driver_->socket.send(framed(Type::bye), kSending);
+    } catch (const LinkError&) {  // it is gone already
+    }
+  }
   driver_.reset();
   state_ = State::waiting;
   parameters_.log("armed");

@@ -143,7 +143,12 @@ def test_only_this_machine_without_a_token(tmp_path):
 
 def test_a_robot_in_python_is_driven_by_its_torques(tmp_path):
     report = tmp_path / "report.json"
-    with RobotsEnd(sys.executable, ROOT / "examples" / "06_robot.py", "0") as end:
+    example = (sys.executable, ROOT / "examples" / "06_robot.py", "0")
+    with RobotsEnd(*example) as end:
+        done = drive(end.address, 1)
+        assert done.returncode == 2
+        assert "measures no forces on its soles: must be --state torques" in done.stderr
+    with RobotsEnd(*example) as end:
         done = drive(end.address, 12, "--state", "torques", "--report", report)
         assert done.returncode == 0, done.stderr
         said, _ = end.process.communicate(timeout=10)
