@@ -82,6 +82,7 @@ struct RobotOptions {
   std::string world = "room";
   PhysicsOptions physics;
   long seed = 0;
+  bool real_time = false;  ///< goes on by the clock; else waits for each target
   std::string listen = "127.0.0.1:7447";
   std::optional<std::filesystem::path> token;  ///< file that holds what drivers must know
 };

@@ -25,6 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
+constexpr double kNotFollowing = 0.1;      ///< time of rejected targets after which a run ends [s]
 constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
@@ -100,7 +101,9 @@ int drive(const DriveOptions& o) {
   const link::RemoteRobot* remote = connected.get();
   const std::string on = remote != nullptr ? remote->welcome().on : o.on;
   // A robot that waits for its targets waits for the planner, too.
-  const std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !o.fast && remote == nullptr);
+  const bool waits = remote != nullptr ? remote->welcome().lock_step : o.fast;
+  const bool paced = !o.fast && (remote == nullptr || waits);  // by our clock
+  const std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !waits);
   FaultyPlanning planning(*planner, faults_of(o.answers), period, static_cast<std::uint64_t>(o.seed));
   Simulation::Parameters parameters{.session = {modes_of(o.modes), state_named(o.physics.state), &planning},
                                     .calibration = calibration_in(o.calibration, robot, on)};
@@ -164,7 +167,7 @@ int drive(const DriveOptions& o) {
       spdlog::info("coming to rest");
     }
     if (stopping && session.resting()) break;
-    if (!o.fast) {
+    if (paced) {
       const double now = seconds_since(start);
       if (session.t() > 0.0) interval.add(1e6 * (now - began));
       began = now;
@@ -181,8 +184,11 @@ int drive(const DriveOptions& o) {
     }
     if (remote != nullptr) {
       warn_of_rejections(*remote, rejected);
-      if (remote->damped()) {
-        broken = fmt::format("{}: the robot was damped: {}", o.on, remote->damped_because());
+      if (remote->damped()) broken = fmt::format("the robot was damped: {}", remote->damped_because());
+      if (remote->rejected_in_a_row() * period > kNotFollowing)
+        broken = fmt::format("the robot follows no longer: {}", remote->rejection());
+      if (!broken.empty()) {
+        broken = o.on + ": " + broken;
         break;
       }
     }
@@ -194,7 +200,7 @@ int drive(const DriveOptions& o) {
       session.step(Command{});  // the fall is seen in the last row
       break;
     }
-    if (!o.fast) {
+    if (paced) {
       const double left = session.t() - seconds_since(start);
       used.add(1e6 * (period - left));
       if (left < 0.0) ++late;
@@ -203,7 +209,7 @@ int drive(const DriveOptions& o) {
   }
 
   nlohmann::json loop = nullptr;
-  if (!o.fast) {
+  if (paced) {
     const nlohmann::json spent = used.summary();
     const auto slack = [&](const char* quantile) { return 1e6 * period - spent[quantile].get<double>(); };
     loop = {{"period_us", 1e6 * period},

@@ -65,6 +65,7 @@ int robot(const RobotOptions& o) {
                             .token = token_in(o.token),
                             .on = "sim",
                             .world = world.name(),
+                            .real_time = o.real_time,
                             .log = [](const std::string& text) { spdlog::info("{}", text); }});
   fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", model.profile().name,
              world.name(), server.address().text());

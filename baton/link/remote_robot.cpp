@@ -94,8 +94,6 @@ void RemoteRobot::check_joints() const {
   }
   if (std::abs(welcome_.period - profile.tick.period) > 1e-9)
     because(fmt::format("has a tick of {} s: must be {} s", welcome_.period, profile.tick.period));
-  if (!welcome_.lock_step)
-    because("does not wait for its targets: must run in lock-step (docs/protocol.md)");
 }
 
 void RemoteRobot::check_start() const {
@@ -123,6 +121,7 @@ void RemoteRobot::write(const JointTarget& target) {
 
 void RemoteRobot::await_reading(Socket::Time limit) {
   const Eigen::Index joints = model_->nv() - 6;
+  const long before = rejected_;
   while (true) {
     const Message message = receive(limit);
     switch (message.type) {
@@ -143,6 +142,7 @@ void RemoteRobot::await_reading(Socket::Time limit) {
         if (reading_.sequence != expected_)
           throw LinkError(fmt::format("measurement {} in place of {}", reading_.sequence, expected_));
         ++expected_;
+        in_a_row_ = rejected_ > before ? in_a_row_ + rejected_ - before : 0;
         return;
       default:
         complain_of(message.type, "a measurement");

@@ -1,4 +1,5 @@
-/// A robot at the other end of a connection, in lock-step: it waits for each target.
+/// A robot at the other end of a connection. In lock-step it waits for each target; in real time it goes on by its clock,
+/// and `write` returns when it has measured again, at once if that was some time ago.
 #pragma once
 
 #include <string>
@@ -39,8 +40,10 @@ class RemoteRobot : public Robot {
   [[nodiscard]] bool damped() const { return reading_.damped; }
   /// Why, as far as the robot has said so.
   [[nodiscard]] const std::string& damped_because() const { return damped_because_; }
-  /// Targets that the robot has rejected, and why the last one was.
+  /// Targets that the robot has rejected, of these the latest without one in between that was followed, and why the last
+  /// one was.
   [[nodiscard]] long rejected() const { return rejected_; }
+  [[nodiscard]] long rejected_in_a_row() const { return in_a_row_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }
 
  private:
@@ -62,6 +65,7 @@ class RemoteRobot : public Robot {
   std::uint64_t expected_ = 0;  ///< sequence of the next measurement
   std::optional<Truth> truth_;
   long rejected_ = 0;
+  long in_a_row_ = 0;
   std::string rejection_, damped_because_;
 };
 

@@ -10,13 +10,19 @@
 #include "baton/model/error.hpp"
 
 namespace baton::link {
+
+using namespace std::chrono_literals;
+
 namespace {
 
-constexpr Socket::Time kSending{2000};          ///< after which a driver that takes nothing is gone
+/// What a peer does not take at once is more than what it is owed: it does not listen.
+constexpr Socket::Time kSending{0};
 constexpr std::chrono::seconds kGreeting{5};    ///< by which a connection has to say what it wants
 constexpr std::size_t kMostGuests = 16;
 constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
 constexpr long kEveryRejection = 200;  ///< of so many rejections in a row one is logged
+constexpr std::uint64_t kOldest = 20;  ///< of the newest measurement, in real time: an answer to an older one is too late
+constexpr int kMostBehind = 20;        ///< ticks that are caught up with, after which the clock is set anew
 
 /// Takes as long whatever the token is, so that its time tells nothing about it.
 bool same_token(const std::string& a, const std::string& b) {
@@ -45,7 +51,16 @@ void RobotServer::serve(Socket::Time limit) {
   for (const Peer& guest : guests_)
     all.push_back({guest.socket.descriptor(), POLLIN, 0});
   if (driver_) all.push_back({driver_->socket.descriptor(), POLLIN, 0});
-  if (poll(all.data(), all.size(), static_cast<int>(limit.count())) < 0) return;  // by a signal
+  std::chrono::nanoseconds wait = limit;
+  if (parameters_.real_time && runs_) wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(wait);
+  const timespec longest{seconds.count(), (wait - seconds).count()};
+  if (ppoll(all.data(), all.size(), &longest, nullptr) < 0) return;  // by a signal
+  hear_all();
+  advance_if_due();
+}
+
+void RobotServer::hear_all() {
   const auto take = [this](Peer& peer) {
     std::exception_ptr gone;  // after what it has said before
     try {
@@ -54,8 +69,10 @@ void RobotServer::serve(Socket::Time limit) {
     } catch (const LinkError&) {
       gone = std::current_exception();
     }
+    const bool guest = !peer.welcomed;
     while (std::optional<Message> message = peer.stream.next()) {
       if (!hear(peer, *message)) return false;
+      if (guest && peer.welcomed) break;  // goes on as the driver
     }
     if (gone) std::rethrow_exception(gone);
     return true;
@@ -70,13 +87,14 @@ void RobotServer::serve(Socket::Time limit) {
   };
   std::string why;
   if (driver_ && !attempt(*driver_, why)) drop_driver(why);
-  const auto now = std::chrono::steady_clock::now();
+  const auto now = parameters_.now();
   std::vector<Peer> staying;
   for (Peer& guest : guests_) {
     if (!attempt(guest, why) || now - guest.since > kGreeting) continue;
     if (guest.welcomed) {
       driver_ = std::move(guest);
       state_ = State::driven;
+      if (!attempt(*driver_, why)) drop_driver(why);
     } else {
       staying.push_back(std::move(guest));
     }
@@ -89,7 +107,7 @@ void RobotServer::serve(Socket::Time limit) {
 void RobotServer::accept() {
   while (std::optional<Socket> socket = listener_.accept()) {
     if (guests_.size() >= kMostGuests) continue;  // closes it
-    guests_.push_back({*std::move(socket), {}, std::chrono::steady_clock::now()});
+    guests_.push_back({*std::move(socket), {}, parameters_.now()});
   }
 }
 
@@ -134,6 +152,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   for (const Joint& joint : model_->joints())
     welcome.joints.push_back(joint.name);
   welcome.period = model_->profile().tick.period;
+  welcome.lock_step = !parameters_.real_time;
   welcome.on = parameters_.on;
   welcome.world = parameters_.world;
   peer.socket.send(framed(Type::welcome, encode(welcome)), kSending);
@@ -164,6 +183,9 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   target_ = {reading_.measurement.q, zero, zero, zero, {true, true}, {}};
   check_.begin(target_.q);
   rejections_ = 0;
+  next_ = 0;
+  runs_ = true;
+  due_ = parameters_.now() + period();
   parameters_.log("a driver has taken over");
   send_reading(peer);
   return true;
@@ -171,32 +193,57 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
 
 void RobotServer::follow(Peer& peer, const Message& message) {
   const Target target = decode_target(message.body, model_->nv() - 6);
-  std::optional<std::string> why;
-  if (target.sequence != reading_.sequence) {
-    why = fmt::format("an answer to measurement {}: must be to {}", target.sequence, reading_.sequence);
-  } else {
-    why = check_.reject(target, reading_.measurement.q);
-  }
-  if (why) {
+  if (const std::optional<std::string> why = judge(target)) {
     if (rejections_++ % kEveryRejection == 0) parameters_.log("target rejected: " + *why);
     peer.socket.send(framed(Type::rejected, encode_text(*why)), kSending);
-    target_.dq.setZero();  // it stays where the last good one was
   } else {
     target_.q = target.q;
     target_.dq = target.dq;
     target_.tau = target.tau;
+    next_ = target.sequence + 1;
   }
-  if (state_ == State::damped) brake();
+  if (!parameters_.real_time) advance();
+}
+
+std::optional<std::string> RobotServer::judge(const Target& target) {
+  const std::uint64_t newest = reading_.sequence;
+  const std::uint64_t oldest = parameters_.real_time ? std::max(next_, newest - std::min(newest, kOldest)) : newest;
+  if (target.sequence > newest || target.sequence < oldest)
+    return fmt::format("an answer to measurement {}: must be {}", target.sequence,
+                       oldest < newest ? fmt::format("from {} to {}", oldest, newest) : fmt::format("{}", newest));
+  return check_.reject(target, reading_.measurement.q);
+}
+
+void RobotServer::advance() {
+  if (!answered()) target_.dq.setZero();  // nothing to follow: it stays where the last good target was
+  if (state_ == State::damped) {
+    target_.q = reading_.measurement.q;
+    target_.dq.setZero();
+    target_.tau.setZero();
+  }
   robot_->write(target_);
   ++reading_.sequence;
   reading_.measurement = robot_->read();
-  send_reading(peer);
+  if (driver_ && driver_->started) send_reading(*driver_);
 }
 
-void RobotServer::brake() {
-  target_.q = reading_.measurement.q;
-  target_.dq.setZero();
-  target_.tau.setZero();
+void RobotServer::advance_if_due() {
+  if (!parameters_.real_time || !runs_) return;
+  for (int tick = 0; tick < kMostBehind && parameters_.now() >= due_; ++tick) {
+    due_ += period();
+    try {
+      advance();
+    } catch (const LinkError& error) {
+      drop_driver(error.what());
+    }
+  }
+  if (parameters_.now() < due_) return;
+  due_ = parameters_.now() + period();
+  parameters_.log("too slow for real time: time was left out");
+}
+
+RobotServer::Clock::duration RobotServer::period() const {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(model_->profile().tick.period));
 }
 
 void RobotServer::send_reading(Peer& peer) {

@@ -1,6 +1,7 @@
-/// The robot's end of a connection: one driver at a time, in lock-step, and a brake that needs no driver.
+/// The robot's end of a connection: one driver at a time, and a brake that needs no driver.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,12 +15,15 @@ namespace baton::link {
 class RobotServer {
  public:
   enum class State { waiting, driven, damped };
+  using Clock = std::chrono::steady_clock;
 
   struct Parameters {
     Address listen;
     std::string token{};  ///< that drivers must know; "": none, which is accepted on a loopback address alone
     std::string on = "sim";
     std::string world{};
+    bool real_time = false;  ///< goes on by the clock, whether or not a target has come; else waits for each
+    std::function<Clock::time_point()> now = Clock::now;
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
 
@@ -30,8 +34,10 @@ class RobotServer {
   /// Where it listens: with the port that was chosen, if 0 was asked for.
   [[nodiscard]] Address address() const;
   [[nodiscard]] State state() const { return state_; }
+  /// Whether a target has been followed that answers the newest measurement.
+  [[nodiscard]] bool answered() const { return next_ > reading_.sequence; }
 
-  /// Waits for messages, and does what they ask for.
+  /// Waits for messages, and does what they ask for; in real time, also moves the robot when a tick is over.
   /// @param limit longest wait
   void serve(Socket::Time limit);
 
@@ -45,18 +51,25 @@ class RobotServer {
   struct Peer {
     Socket socket;
     Stream stream;
-    std::chrono::steady_clock::time_point since;  ///< of its connection
+    Clock::time_point since;  ///< of its connection
     bool welcomed = false;
     bool started = false;
   };
 
+  void hear_all();
   void accept();
   /// @returns whether the peer stays connected
   [[nodiscard]] bool hear(Peer& peer, const Message& message);
   [[nodiscard]] bool greet(Peer& peer, const Message& message);
   [[nodiscard]] bool begin(Peer& peer, const Message& message);
   void follow(Peer& peer, const Message& message);
-  void brake();
+  /// @returns why the target is not followed
+  [[nodiscard]] std::optional<std::string> judge(const Target& target);
+  /// Moves the robot by a tick and measures.
+  void advance();
+  [[nodiscard]] Clock::duration period() const;
+  /// By the clock, in real time.
+  void advance_if_due();
   void send_reading(Peer& peer);
   [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
   /// @param why "": the driver has said so
@@ -74,6 +87,9 @@ class RobotServer {
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
   long rejections_ = 0;
+  bool runs_ = false;        ///< a driver has started it
+  Clock::time_point due_;    ///< end of the tick, in real time
+  std::uint64_t next_ = 0;   ///< least sequence of the next target that may be followed
 };
 
 }  // namespace baton::link

@@ -26,13 +26,22 @@ constexpr Socket::Time kPatience{20'000};
 /// A simulated robot that is served by a thread.
 class Served {
  public:
-  explicit Served(const RobotModel& model, const Plant& plant = {}, const std::string& token = "")
-      : robot_(model, world_, stand(model, world_.site("start"), model.profile().stance.com_height),
+  /// How time passes in real time: when the test says so, or when a measurement has been answered.
+  enum class Pace { lock_step, by_test, by_answers };
+
+  explicit Served(const RobotModel& model, const Plant& plant = {}, const std::string& token = "",
+                  Pace pace = Pace::lock_step)
+      : period_(std::chrono::duration_cast<RobotServer::Clock::duration>(
+            std::chrono::duration<double>(model.profile().tick.period))),
+        pace_(pace),
+        robot_(model, world_, stand(model, world_.site("start"), model.profile().stance.com_height),
                model.profile().tick.period, physics(plant)),
         server_(model, robot_,
                 {.listen = {"127.0.0.1", 0},
                  .token = token,
                  .world = "flat",
+                 .real_time = pace != Pace::lock_step,
+                 .now = [this] { return now_; },
                  .log = [this](const std::string& text) { log_.push_back(text); }}),
         address_(server_.address()),
         thread_([this] { serve(); }) {}
@@ -43,6 +52,12 @@ class Served {
 
   [[nodiscard]] const Address& address() const { return address_; }
   [[nodiscard]] const World& world() const { return world_; }
+
+  /// Lets some ticks pass.
+  void pass(int ticks) {
+    at_the_robot([&](RobotServer&) { now_ += ticks * period_; });
+    at_the_robot([](RobotServer&) {});  // it has been served in between
+  }
 
   /// Calls this in the thread, between two messages.
   void at_the_robot(const std::function<void(RobotServer&)>& act) {
@@ -55,6 +70,8 @@ class Served {
       if (!due_) return;
     }
   }
+  /// Only for `at_the_robot`.
+  [[nodiscard]] const Truth& truth() const { return *robot_.truth(); }
   /// What was logged so far, line by line.
   [[nodiscard]] std::string log() {
     std::string all;
@@ -77,9 +94,13 @@ class Served {
       const std::lock_guard lock(mutex_);
       if (due_) due_(server_);
       due_ = nullptr;
+      if (pace_ == Pace::by_answers && server_.answered()) now_ += period_;
     }
   }
 
+  const RobotServer::Clock::duration period_;
+  const Pace pace_;
+  RobotServer::Clock::time_point now_;
   const World world_ = World::load("flat");
   SimulatedRobot robot_;
   std::vector<std::string> log_;
@@ -203,6 +224,88 @@ TEST_P(RobotServerTest, ARunIsTheSameBitByBitAsWithTheSimulatorInside) {
     EXPECT_GT(ticks, 200);
     EXPECT_EQ(served.log(), "a driver has taken over\n");  // and no target was rejected
   }
+}
+
+TEST_P(RobotServerTest, InRealTimeTheRunIsTheSameIfEachAnswerComesInTime) {
+  const Scenario& scenario = scenario_named("push");
+  const Plant plant = plant_of(true, &scenario, robot_, 6, 1.0);
+  Served served(robot_, plant, "", Served::Pace::by_answers);
+  Simulation here = inside(served.world(), plant);
+  Simulation there = remote(served);
+  const std::unique_ptr<Device> stick = stick_of(scenario, robot_, 6);
+  while (here.session().t() < 3.0) {
+    const Command command = stick->read(here.session().t());
+    here.session().step(command);
+    there.session().step(command);
+    ASSERT_EQ(here.truth().q, there.truth().q) << " at " << here.session().t();
+  }
+  EXPECT_EQ(served.log(), "a driver has taken over\n");
+}
+
+TEST_P(RobotServerTest, InRealTimeItGoesOnWithoutAnAnswerAndFollowsNoneThatIsTooOldOrComesTwice) {
+  Served served(robot_, {}, "", Served::Pace::by_test);
+  Raw raw(served.address());
+  raw.send(Type::hello, hello());
+  const Message welcome = raw.answer();
+  ASSERT_EQ(welcome.type, Type::welcome);
+  EXPECT_FALSE(decode_welcome(welcome.body).lock_step);
+  raw.send(Type::start, encode(start_of(robot_)));
+  const Reading first = reading(raw.answer());
+  const VecX zero = VecX::Zero(n_);
+  std::uint64_t newest = 0;
+  const auto later = [&](int ticks) {
+    served.pass(ticks);
+    for (int tick = 0; tick < ticks; ++tick) {
+      const Reading next = reading(raw.answer());
+      EXPECT_EQ(next.sequence, ++newest);
+      EXPECT_LT((next.measurement.q - first.measurement.q).cwiseAbs().maxCoeff(), 0.1);
+    }
+  };
+  const auto rejected = [&](std::uint64_t sequence) {
+    raw.send(Type::target, encode(Target{sequence, first.measurement.q, zero, zero}));
+    served.pass(0);
+    served.pass(1);
+    Message message = raw.answer();
+    std::string why;
+    if (message.type == Type::rejected) {
+      why = decode_text(message.body);
+      message = raw.answer();
+    }
+    EXPECT_EQ(reading(message).sequence, ++newest);
+    return why;
+  };
+  EXPECT_EQ(rejected(0), "");
+  later(3);
+  EXPECT_EQ(rejected(newest), "");
+  EXPECT_THAT(rejected(newest - 1), HasSubstr("an answer to measurement"));  // twice
+  later(10);
+  EXPECT_EQ(rejected(newest - 5), "");                                        // late, and better than none
+  EXPECT_THAT(rejected(newest - 8), HasSubstr("an answer to measurement"));  // out of order
+  later(18);
+  later(18);
+  EXPECT_THAT(rejected(newest - 25), HasSubstr("an answer to measurement"));  // too old
+  EXPECT_THAT(rejected(newest + 1), HasSubstr("an answer to measurement"));   // to what was not sent yet
+  EXPECT_EQ(rejected(newest), "");
+}
+
+TEST_P(RobotServerTest, InRealTimeADampedRobotSinksThoughItsDriverIsGone) {
+  Served served(robot_, {}, "", Served::Pace::by_test);
+  {
+    Raw raw(served.address());
+    raw.send(Type::hello, hello());
+    EXPECT_EQ(raw.answer().type, Type::welcome);
+    raw.send(Type::start, encode(start_of(robot_)));
+    EXPECT_EQ(raw.answer().type, Type::measurement);
+  }
+  while (served.log().find("lost") == std::string::npos) {
+  }
+  damp(served.address(), "");
+  for (int k = 0; k < 30; ++k)
+    served.pass(15);
+  served.at_the_robot([&](RobotServer& server) {
+    EXPECT_EQ(server.state(), RobotServer::State::damped);
+    EXPECT_LT(served.truth().q[2], 0.8 * robot_.profile().stance.com_height);
+  });
 }
 
 TEST_P(RobotServerTest, WhoeverDrivesNextBeginsAnewHoweverTheLastOneLeft) {
@@ -461,7 +564,6 @@ TEST_P(RobotServerTest, ARobotThatIsNotTheOneExpectedIsNotDriven) {
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.period *= 2.0; }), HasSubstr("has a tick of"));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.version = 9; }), HasSubstr("speaks version 9"));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.world = "room"; }), HasSubstr("stands in 'room'"));
-  EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.lock_step = false; }), HasSubstr("lock-step"));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.first.measurement.q[4] += 0.5; }),
               HasSubstr(robot_.joints()[4].name + " is at"));
 }
