@@ -141,7 +141,8 @@ void add_robot(CLI::App& command, RobotOptions& o) {
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
   command.add_flag("--real-time", o.real_time, "Go on by the clock, as a real robot; else wait for each target");
-  command.add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
+  command
+      .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();
   add_token(command, o.token);
 }

@@ -25,7 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
-constexpr double kNotFollowing = 0.1;      ///< time of rejected targets after which a run ends [s]
+constexpr double kNotFollowing = 0.1;       ///< time of rejected targets after which a run ends [s]
 constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
@@ -54,7 +54,8 @@ void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, c
 /// @throws InputError the robot does not measure what the state is estimated from
 void check_sensors(const Measurement& measured, StateSource source, const std::string& on) {
   const auto because = [&](const char* lacks, const char* must) {
-    throw InputError(fmt::format("--state {}: the robot at {} measures no {}: must be {}", to_string(source), on, lacks, must));
+    throw InputError(
+        fmt::format("--state {}: the robot at {} measures no {}: must be {}", to_string(source), on, lacks, must));
   };
   const auto feels = [&](Side side) { return !measured.sole[side].force.array().isNaN().all(); };
   if (source == StateSource::sensors && !feels(Side::left) && !feels(Side::right))
@@ -219,11 +220,9 @@ int drive(const DriveOptions& o) {
             {"dropped", session.navigator().dropped()}};
   }
   nlohmann::json extra = {{"loop", std::move(loop)}};
-  if (remote != nullptr)
-    extra["link"] = {{"address", o.on}, {"rejected", remote->rejected()}, {"broken", broken}};
+  if (remote != nullptr) extra["link"] = {{"address", o.on}, {"rejected", remote->rejected()}, {"broken", broken}};
   const auto finish = [&] {
-    const nlohmann::json summary =
-        outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
+    const nlohmann::json summary = outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
     const auto number = [](const nlohmann::json& value, const char* format) {  // unknown without truth
       return value.is_null() ? std::string("?") : fmt::format(fmt::runtime(format), value.get<double>());
     };
@@ -231,7 +230,7 @@ int drive(const DriveOptions& o) {
     fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}\n", session.t(), o.on,
                world.name(), summary["segments"]["committed"].get<long>(), number(commands["moved"], "{:.0f}"),
                commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"),
-               session.fallen()            ? "fallen: " + simulation.truth().fall
+               session.fallen()             ? "fallen: " + simulation.truth().fall
                : session.truth() == nullptr ? "as far as its sensors tell on its feet"
                                             : "on its feet");
     std::fflush(stdout);

@@ -46,8 +46,8 @@ void check_times(const Scenario& scenario, double times) {
 void check_physics(const PhysicsOptions& options, const std::string& on) {
   for (const auto& [option, value] : {std::pair("--scenario", options.scenario), std::pair("--plant", options.plant)}) {
     if (value && is_address(on))
-      throw InputError(fmt::format("{} {} with --on {}: must be given at the robot's end, to baton robot", option, *value,
-                                   on));
+      throw InputError(
+          fmt::format("{} {} with --on {}: must be given at the robot's end, to baton robot", option, *value, on));
     if (value && on != "sim")
       throw InputError(fmt::format("{} {} with --on {}: must be --on sim, it needs physics", option, *value, on));
   }

@@ -20,7 +20,8 @@ Rows bench_link(const Options& options) {
   const Posture start = stand(robot, world.site("start"), robot.profile().stance.com_height);
   IdealRobot served(robot, start, robot.profile().tick.period);
   link::RobotServer server(
-      robot, served, {.listen = {"127.0.0.1", 0}, .token = "", .on = "ideal", .world = "flat", .log = [](const auto&) {}});
+      robot, served,
+      {.listen = {"127.0.0.1", 0}, .token = "", .on = "ideal", .world = "flat", .log = [](const auto&) {}});
   const Address address = server.address();
   std::atomic<bool> stop{false};
   std::atomic<double> server_us{0.0};
@@ -49,7 +50,8 @@ Rows bench_link(const Options& options) {
     for (int k = 0; k < kTicks; ++k) {
       const auto began = std::chrono::steady_clock::now();
       remote.write(target);
-      turn.values.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - began).count());
+      turn.values.push_back(
+          std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - began).count());
     }
     cpu.values.push_back((cpu_us() - before) / kTicks);
   }

@@ -42,9 +42,9 @@ Rows yardstick(const Options& /*unused*/) {
 int main(int argc, char** argv) {
   using namespace baton::bench;
   const std::vector<std::pair<std::string, Rows (*)(const Options&)>> groups{
-      {"plan", bench_plan}, {"duration", bench_duration}, {"segment", bench_segment}, {"ik", bench_ik},
-      {"run", bench_run},   {"baseline", bench_baseline}, {"latency", bench_latency}, {"robots", bench_robots},
-      {"link", bench_link}};
+      {"plan", bench_plan},       {"duration", bench_duration}, {"segment", bench_segment},
+      {"ik", bench_ik},           {"run", bench_run},           {"baseline", bench_baseline},
+      {"latency", bench_latency}, {"robots", bench_robots},     {"link", bench_link}};
   CLI::App app("Thread CPU times, durations, a baseline, and latencies, as one table.");
   Options options;
   std::vector<std::string> chosen;

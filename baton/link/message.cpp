@@ -54,8 +54,7 @@ class Reader {
   template <typename Number>
   Number number() {
     Number value{};
-    if (left() < sizeof value)
-      throw LinkError(fmt::format("a {} of {} bytes is too short", what_, body_->size()));
+    if (left() < sizeof value) throw LinkError(fmt::format("a {} of {} bytes is too short", what_, body_->size()));
     std::memcpy(&value, body_->data() + at_, sizeof value);
     at_ += sizeof value;
     return value;
@@ -143,15 +142,14 @@ std::optional<Message> Stream::next() {
 }
 
 std::string encode(const Hello& hello) {
-  return Json{{"baton", hello.version},
-              {"token", hello.token},
-              {"role", hello.role == Hello::Role::drive ? "drive" : "damp"}}
+  return Json{
+      {"baton", hello.version}, {"token", hello.token}, {"role", hello.role == Hello::Role::drive ? "drive" : "damp"}}
       .dump();
 }
 
 std::string encode(const Welcome& welcome) {
-  return Json{{"baton", welcome.version},   {"robot", welcome.robot},         {"joints", welcome.joints},
-              {"period", welcome.period},   {"lock_step", welcome.lock_step}, {"on", welcome.on},
+  return Json{{"baton", welcome.version}, {"robot", welcome.robot},         {"joints", welcome.joints},
+              {"period", welcome.period}, {"lock_step", welcome.lock_step}, {"on", welcome.on},
               {"world", welcome.world}}
       .dump();
 }
@@ -173,7 +171,8 @@ std::string encode(const Reading& reading) {
   const Measurement& m = reading.measurement;
   const Eigen::Index n = m.q.size();
   check_size(m.dq.size(), n);
-  const VecX torque = m.torque.size() > 0 ? m.torque : VecX(VecX::Constant(n, std::numeric_limits<double>::quiet_NaN()));
+  const VecX torque =
+      m.torque.size() > 0 ? m.torque : VecX(VecX::Constant(n, std::numeric_limits<double>::quiet_NaN()));
   check_size(torque.size(), n);
   Writer writer;
   writer.number(reading.sequence).number<std::uint32_t>(reading.damped ? kDamped : 0).number<std::uint32_t>(0);
@@ -181,8 +180,7 @@ std::string encode(const Reading& reading) {
   writer.numbers(m.q).numbers(m.dq).numbers(torque);
   writer.rotation(m.imu.attitude).numbers(m.imu.rate).numbers(m.imu.acceleration);
   writer.wrench(m.sole.left).wrench(m.sole.right);
-  if (m.root)
-    writer.numbers(m.root->pose.p).rotation(m.root->pose.R).numbers(m.root->velocity).numbers(m.root->rate);
+  if (m.root) writer.numbers(m.root->pose.p).rotation(m.root->pose.R).numbers(m.root->velocity).numbers(m.root->rate);
   return std::move(writer.bytes_);
 }
 

@@ -65,12 +65,12 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
   if (answer.type != Type::welcome) complain_of(answer.type, "a welcome");
   welcome_ = decode_welcome(answer.body);
   if (welcome_.version != kVersion)
-    throw LinkError(fmt::format("the robot speaks version {} of the protocol, this program {}", welcome_.version,
-                                kVersion));
+    throw LinkError(
+        fmt::format("the robot speaks version {} of the protocol, this program {}", welcome_.version, kVersion));
   check_joints();
   if (!welcome_.world.empty() && welcome_.world != world)
-    throw InputError(fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(),
-                                 welcome_.world));
+    throw InputError(
+        fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(), welcome_.world));
   Start start{std::string(to_string(model_->profile().drive)), VecX(model_->nv() - 6), VecX(model_->nv() - 6)};
   for (Eigen::Index i = 0; i < start.kp.size(); ++i) {
     const Profile::Gains& gains = model_->joints()[static_cast<std::size_t>(i)].gains;
@@ -83,8 +83,8 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
 void RemoteRobot::check_joints() const {
   const Profile& profile = model_->profile();
   const auto because = [&](const std::string& why) {
-    throw InputError(
-        fmt::format("--robot {}: the robot '{}' at {} {}", profile.name, welcome_.robot, parameters_.address.text(), why));
+    throw InputError(fmt::format("--robot {}: the robot '{}' at {} {}", profile.name, welcome_.robot,
+                                 parameters_.address.text(), why));
   };
   const std::vector<Joint>& own = model_->joints();
   for (std::size_t i = 0; i < std::max(own.size(), welcome_.joints.size()); ++i) {

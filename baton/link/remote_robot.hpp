@@ -1,5 +1,5 @@
-/// A robot at the other end of a connection. In lock-step it waits for each target; in real time it goes on by its clock,
-/// and `write` returns when it has measured again, at once if that was some time ago.
+/// A robot at the other end of a connection. In lock-step it waits for each target; in real time it goes on by its
+/// clock, and `write` returns when it has measured again, at once if that was some time ago.
 #pragma once
 
 #include <string>
@@ -40,8 +40,8 @@ class RemoteRobot : public Robot {
   [[nodiscard]] bool damped() const { return reading_.damped; }
   /// Why, as far as the robot has said so.
   [[nodiscard]] const std::string& damped_because() const { return damped_because_; }
-  /// Targets that the robot has rejected, of these the latest without one in between that was followed, and why the last
-  /// one was.
+  /// Targets that the robot has rejected, of these the latest without one in between that was followed, and why the
+  /// last one was.
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] long rejected_in_a_row() const { return in_a_row_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }

@@ -17,12 +17,13 @@ namespace {
 
 /// What a peer does not take at once is more than what it is owed: it does not listen.
 constexpr Socket::Time kSending{0};
-constexpr std::chrono::seconds kGreeting{5};    ///< by which a connection has to say what it wants
+constexpr std::chrono::seconds kGreeting{5};  ///< by which a connection has to say what it wants
 constexpr std::size_t kMostGuests = 16;
 constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
-constexpr long kEveryRejection = 200;  ///< of so many rejections in a row one is logged
-constexpr std::uint64_t kOldest = 20;  ///< of the newest measurement, in real time: an answer to an older one is too late
-constexpr int kMostBehind = 20;        ///< ticks that are caught up with, after which the clock is set anew
+constexpr long kEveryRejection = 200;                        ///< of so many rejections in a row one is logged
+constexpr std::uint64_t kOldest =
+    20;                          ///< of the newest measurement, in real time: an answer to an older one is too late
+constexpr int kMostBehind = 20;  ///< ticks that are caught up with, after which the clock is set anew
 
 /// Takes as long whatever the token is, so that its time tells nothing about it.
 bool same_token(const std::string& a, const std::string& b) {
@@ -37,8 +38,8 @@ bool same_token(const std::string& a, const std::string& b) {
 RobotServer::RobotServer(const RobotModel& model, Robot& robot, Parameters parameters)
     : model_(&model), robot_(&robot), parameters_(std::move(parameters)), check_(model) {
   if (parameters_.token.empty() && !parameters_.listen.loopback())
-    throw InputError(fmt::format("{} can be reached by others: needs a token, which drivers must know",
-                                 parameters_.listen.text()));
+    throw InputError(
+        fmt::format("{} can be reached by others: needs a token, which drivers must know", parameters_.listen.text()));
   listener_ = Socket::listen(parameters_.listen);
 }
 
@@ -129,15 +130,15 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
     case Type::bye:
       return false;
     default:
-      return refuse(peer, "protocol", fmt::format("a message of type {} from a driver", static_cast<int>(message.type)));
+      return refuse(peer, "protocol",
+                    fmt::format("a message of type {} from a driver", static_cast<int>(message.type)));
   }
 }
 
 bool RobotServer::greet(Peer& peer, const Message& message) {
   const Hello hello = decode_hello(message.body);
   if (hello.version != kVersion)
-    return refuse(peer, "version",
-                  fmt::format("version {} of the protocol: must be {}", hello.version, kVersion));
+    return refuse(peer, "version", fmt::format("version {} of the protocol: must be {}", hello.version, kVersion));
   if (!parameters_.token.empty() && !same_token(hello.token, parameters_.token))
     return refuse(peer, "token", hello.token.empty() ? "a token is needed" : "the token is wrong");
   if (hello.role == Hello::Role::damp) {

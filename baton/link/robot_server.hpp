@@ -87,9 +87,9 @@ class RobotServer {
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
   long rejections_ = 0;
-  bool runs_ = false;        ///< a driver has started it
-  Clock::time_point due_;    ///< end of the tick, in real time
-  std::uint64_t next_ = 0;   ///< least sequence of the next target that may be followed
+  bool runs_ = false;       ///< a driver has started it
+  Clock::time_point due_;   ///< end of the tick, in real time
+  std::uint64_t next_ = 0;  ///< least sequence of the next target that may be followed
 };
 
 }  // namespace baton::link

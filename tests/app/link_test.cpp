@@ -94,7 +94,7 @@ TEST(DriveOverALink, ATokenComesFromAFile) {
   const Scratch scratch;
   const RobotsEnd end("open sesame");
   const auto drive = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> args{"drive", "--on",   end.address, "--world", "flat",     "--input",
+    std::vector<std::string> args{"drive", "--on",   end.address, "--world", "flat",      "--input",
                                   "page",  "--fast", "--seconds", "0.5",     "--headless"};
     args[6] = "script:" + scratch.write("stick.jsonl", kStick);
     args.insert(args.end(), more.begin(), more.end());

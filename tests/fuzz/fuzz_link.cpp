@@ -1,4 +1,5 @@
-// Whatever comes over a connection is messages or malformed, and a message that was read is the same when it is sent on.
+// Whatever comes over a connection is messages or malformed, and a message that was read is the same when it is sent
+// on.
 #include "baton/link/message.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

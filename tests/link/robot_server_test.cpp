@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <limits>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -202,7 +203,8 @@ class RobotServerTest : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Robots, RobotServerTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
 TEST_P(RobotServerTest, ARunIsTheSameBitByBitAsWithTheSimulatorInside) {
-  for (const auto& [name, times] : std::vector<std::pair<std::string, double>>{{"push", 2.0}, {"glitches", 2.0}, {"push_fore", 2.5}}) {
+  for (const auto& [name, times] :
+       std::vector<std::pair<std::string, double>>{{"push", 2.0}, {"glitches", 2.0}, {"push_fore", 2.5}}) {
     const Scenario& scenario = scenario_named(name);
     const Plant plant = plant_of(true, &scenario, robot_, 5, times);
     Served served(robot_, plant);
@@ -279,7 +281,7 @@ TEST_P(RobotServerTest, InRealTimeItGoesOnWithoutAnAnswerAndFollowsNoneThatIsToo
   EXPECT_EQ(rejected(newest), "");
   EXPECT_THAT(rejected(newest - 1), HasSubstr("an answer to measurement"));  // twice
   later(10);
-  EXPECT_EQ(rejected(newest - 5), "");                                        // late, and better than none
+  EXPECT_EQ(rejected(newest - 5), "");                                       // late, and better than none
   EXPECT_THAT(rejected(newest - 8), HasSubstr("an answer to measurement"));  // out of order
   later(18);
   later(18);
@@ -580,21 +582,137 @@ TEST_P(RobotServerTest, ARobotThatBreaksTheProtocolIsNoticed) {
               return Messages{p.measurement(0), p.measurement(1), p.measurement(2), p.measurement(3)};
             }),
             "");
-  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), p.measurement(0)}; }),
+  EXPECT_THAT(said([](const Puppet& p) {
+                return Messages{p.measurement(0), p.measurement(0)};
+              }),
               HasSubstr("measurement 0 in place of 1"));  // twice
-  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), p.measurement(2)}; }),
+  EXPECT_THAT(said([](const Puppet& p) {
+                return Messages{p.measurement(0), p.measurement(2)};
+              }),
               HasSubstr("measurement 2 in place of 1"));  // one lost
-  EXPECT_THAT(said([](const Puppet&) { return Messages{framed(Type::measurement, "short")}; }),
-              HasSubstr("too short"));
-  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), framed(Type::hello, hello())}; }),
+  EXPECT_THAT(said([](const Puppet&) { return Messages{framed(Type::measurement, "short")}; }), HasSubstr("too short"));
+  EXPECT_THAT(said([](const Puppet& p) {
+                return Messages{p.measurement(0), framed(Type::hello, hello())};
+              }),
               HasSubstr("in place of a measurement"));
-  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), "HTTP/1.1 400"}; }),
+  EXPECT_THAT(said([](const Puppet& p) {
+                return Messages{p.measurement(0), "HTTP/1.1 400"};
+              }),
               HasSubstr("is this a baton link?"));
   EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0)}; }, true), HasSubstr("the other end"));
-  EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0), framed(Type::bye)}; }),
+  EXPECT_THAT(said([](const Puppet& p) {
+                return Messages{p.measurement(0), framed(Type::bye)};
+              }),
               HasSubstr("has ended the connection"));
   EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0)}; }, false, Socket::Time(30)),
               HasSubstr("nothing from the robot for 30 ms"));
+}
+
+/// Passes bytes on between a driver and a robot, and spoils them once.
+class Proxy {
+ public:
+  enum class Fault { flip, lose, repeat, cut };
+
+  /// @param at bytes that pass before, of both directions together
+  Proxy(Address to, Fault fault, std::size_t at, std::uint64_t seed)
+      : listener_(Socket::listen({"127.0.0.1", 0})),
+        to_(std::move(to)),
+        fault_(fault),
+        left_(at),
+        random_(seed),
+        thread_([this] { pass(); }) {}
+  ~Proxy() {
+    stop_ = true;
+    thread_.join();
+  }
+  [[nodiscard]] Address address() const { return {"127.0.0.1", listener_.port()}; }
+
+ private:
+  void pass() {
+    std::optional<Socket> driver;
+    while (!driver && !stop_)
+      driver = listener_.accept();
+    if (!driver) return;
+    Socket robot = Socket::connect(to_, kPatience);
+    try {
+      while (!stop_ && !cut_) {
+        move(*driver, robot);
+        move(robot, *driver);
+      }
+    } catch (const LinkError&) {  // one of them has hung up
+    }
+  }
+  void move(Socket& from, Socket& to) {
+    std::string bytes;
+    if (!from.receive(bytes, Socket::Time(0))) return;
+    if (left_ < bytes.size()) {
+      const std::size_t size = std::min<std::size_t>(1 + random_() % 9, bytes.size() - left_);
+      switch (fault_) {
+        case Fault::flip:
+          bytes[left_] = static_cast<char>(bytes[left_] ^ static_cast<char>(1U << (random_() % 8)));
+          break;
+        case Fault::lose:
+          bytes.erase(left_, size);
+          break;
+        case Fault::repeat:
+          bytes.insert(left_, bytes.substr(left_, size));
+          break;
+        case Fault::cut:
+          bytes.erase(left_);
+          cut_ = true;
+      }
+      left_ = std::numeric_limits<std::size_t>::max();
+    } else if (left_ != std::numeric_limits<std::size_t>::max()) {
+      left_ -= bytes.size();
+    }
+    to.send(bytes, kPatience);
+  }
+
+  Socket listener_;
+  Address to_;
+  Fault fault_;
+  std::size_t left_;
+  std::mt19937_64 random_;
+  bool cut_ = false;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+TEST_P(RobotServerTest, ASpoiledConnectionEndsTheRunWithAReasonAndFellsNobody) {
+  const Plant plant = plant_of(true, nullptr, robot_, 3, 1.0);
+  Served served(robot_, plant);
+  std::mt19937_64 random(8);
+  int ended = 0;
+  int harmless = 0;
+  for (int run = 0; run < 60; ++run) {
+    const auto fault = static_cast<Proxy::Fault>(random() % 4);
+    Proxy proxy(served.address(), fault, random() % 60'000, random());
+    double lowest = std::numeric_limits<double>::infinity();
+    const std::string why = complaint([&] {
+      RemoteRobot::Parameters parameters{proxy.address(), ""};
+      parameters.connecting = parameters.answering = Socket::Time(300);
+      auto connected = std::make_unique<RemoteRobot>(robot_, "flat", parameters);
+      Simulation simulation(robot_, served.world(), std::move(connected), Simulation::Parameters{});
+      const double height = simulation.truth().q[2];
+      Command command;
+      command.axes[0] = 1.0;
+      for (int tick = 0; tick < 60; ++tick) {
+        simulation.session().step(command);
+        if (fault != Proxy::Fault::flip) lowest = std::min(lowest, simulation.truth().q[2] / height);
+      }
+    });
+    ended += why.empty() ? 0 : 1;
+    harmless += why.empty() ? 1 : 0;
+    EXPECT_TRUE(why.empty() || why.find("127.0.0.1") != std::string::npos) << why;
+    EXPECT_TRUE(fault == Proxy::Fault::flip || lowest > 0.95) << run;
+    served.at_the_robot([&](RobotServer& server) {
+      EXPECT_NE(server.state(), RobotServer::State::damped);
+      EXPECT_FALSE(served.truth().fallen);
+      EXPECT_LT(served.truth().dq.cwiseAbs().maxCoeff(), 20.0);
+    });
+  }
+  EXPECT_GT(ended, 20);
+  EXPECT_GT(harmless, 0);
 }
 
 TEST(RemoteRobot, NobodyThereIsSaidWithTheAddress) {
@@ -602,8 +720,9 @@ TEST(RemoteRobot, NobodyThereIsSaidWithTheAddress) {
     const Socket free = Socket::listen({"127.0.0.1", 0});
     return free.port();
   }();
-  const std::string why = complaint(
-      [&] { (void)RemoteRobot(test::robot("mighty"), "flat", RemoteRobot::Parameters{{"127.0.0.1", port}, ""}); });
+  const std::string why = complaint([&] {
+    (void)RemoteRobot(test::robot("mighty"), "flat", RemoteRobot::Parameters{{"127.0.0.1", port}, ""});
+  });
   EXPECT_THAT(why, HasSubstr("tcp://127.0.0.1:" + std::to_string(port)));
   EXPECT_THAT(why, HasSubstr("refused"));
 }
