@@ -67,7 +67,10 @@ void check_sensors(const Measurement& measured, StateSource source, const std::s
 /// The robot at the other end of `--on`, if it is an address.
 /// @throws InputError options that only the robot's own end has; it is another robot, or stands elsewhere
 std::unique_ptr<link::RemoteRobot> remote_robot(const DriveOptions& o, const RobotModel& robot, const World& world) {
-  if (!is_address(o.on)) return nullptr;
+  if (!is_address(o.on)) {
+    if (o.token) throw InputError(fmt::format("--token {} goes with --on tcp://HOST:PORT", o.token->string()));
+    return nullptr;
+  }
   check_physics(o.physics, o.on);
   auto remote = std::make_unique<link::RemoteRobot>(
       robot, world.name(), link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token)});
@@ -198,7 +201,11 @@ int drive(const DriveOptions& o) {
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
-      session.step(Command{});  // the fall is seen in the last row
+      try {
+        session.step(Command{});  // the fall is seen in the last row
+      } catch (const LinkError& error) {
+        spdlog::warn("{}", error.what());
+      }
       break;
     }
     if (paced) {
@@ -227,12 +234,13 @@ int drive(const DriveOptions& o) {
       return value.is_null() ? std::string("?") : fmt::format(fmt::runtime(format), value.get<double>());
     };
     const nlohmann::json& commands = summary["commands"];
+    const std::string how_it_ended = session.fallen()             ? "fallen: " + simulation.truth().fall
+                                     : !broken.empty()            ? "not followed to its end"
+                                     : session.truth() == nullptr ? "on its feet, as far as its sensors tell"
+                                                                  : "on its feet";
     fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}\n", session.t(), o.on,
                world.name(), summary["segments"]["committed"].get<long>(), number(commands["moved"], "{:.0f}"),
-               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"),
-               session.fallen()             ? "fallen: " + simulation.truth().fall
-               : session.truth() == nullptr ? "as far as its sensors tell on its feet"
-                                            : "on its feet");
+               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"), how_it_ended);
     std::fflush(stdout);
   };
   if (!session.fallen()) {

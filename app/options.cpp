@@ -2,12 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <utility>
 
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
 
 namespace baton::app {
+namespace {
+
+constexpr std::size_t kLongestToken = 1000;
+
+}  // namespace
 
 Modes modes_of(const ModeOptions& o) {
   return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
@@ -45,6 +52,9 @@ void check_times(const Scenario& scenario, double times) {
 
 void check_physics(const PhysicsOptions& options, const std::string& on) {
   for (const auto& [option, value] : {std::pair("--scenario", options.scenario), std::pair("--plant", options.plant)}) {
+    if (is_address(on) && options.times != 1.0)
+      throw InputError(
+          fmt::format("--times {} with --on {}: must be given at the robot's end, to baton robot", options.times, on));
     if (value && is_address(on))
       throw InputError(
           fmt::format("{} {} with --on {}: must be given at the robot's end, to baton robot", option, *value, on));
@@ -85,7 +95,11 @@ std::string token_in(const std::optional<std::filesystem::path>& file) {
   constexpr const char* kSpace = " \t\r\n";
   const auto begin = text.find_first_not_of(kSpace);
   if (begin == std::string::npos) throw InputError(fmt::format("--token {}: is empty", file->string()));
-  return text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
+  const std::string token = text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
+  if (token.size() > kLongestToken || std::ranges::any_of(token, [](char c) { return c < 0x20 || c > 0x7e; }))
+    throw InputError(
+        fmt::format("--token {}: must be one line of at most {} ASCII characters", file->string(), kLongestToken));
+  return token;
 }
 
 AnswerFaults faults_of(const AnswerOptions& options) {

@@ -5,7 +5,7 @@
     baton drive --on tcp://127.0.0.1:7448 --world flat --state torques
 
 A real one does the same: where this one takes the target as its measurement, it writes to its motors and reads its
-encoders, IMU and motor currents.
+encoders, IMU and motor currents. And it is not as trusting: it judges targets, goes on by its clock, and can be damped.
 """
 
 import json
@@ -46,6 +46,8 @@ def serve(connection):
     hello = json.loads(receive(connection)[1])
     if hello["baton"] != 1:
         return send(connection, REFUSAL, {"reason": "version", "text": "this robot speaks version 1"})
+    if hello.get("role", "drive") != "drive":
+        return send(connection, REFUSAL, {"reason": "protocol", "text": "this robot has nothing to damp"})
     send(connection, WELCOME, {"baton": 1, "robot": "example", "joints": list(STANCE), "period": PERIOD,
                                "lock_step": True, "on": "real"})  # fmt: skip
     receive(connection)  # start: the gains kp and kd of the servos
@@ -57,7 +59,7 @@ def serve(connection):
         send(connection, MEASUREMENT, struct.pack(f"<QII{len(numbers)}d", tick, 0, 0, *numbers))
         kind, body = receive(connection)
         if kind != TARGET:  # handed back
-            return print(f"driven for {tick} ticks; left hip flexion at {q[4]:.2f} rad")
+            return f"driven for {tick} ticks; left hip flexion at {q[4]:.2f} rad"
         sequence, *target = struct.unpack(f"<Q{3 * N}d", body)
         assert sequence == tick
         q, dq, tau = target[:N], target[N : 2 * N], target[2 * N :]  # a real one: to the motors, and back
@@ -66,4 +68,6 @@ def serve(connection):
 
 with socket.create_server(("127.0.0.1", int(sys.argv[1]))) as listener:
     print(f"listening on port {listener.getsockname()[1]}", flush=True)
-    serve(listener.accept()[0])
+    while (driven := serve(listener.accept()[0])) is None:
+        pass  # refused: the next one
+    print(driven)

@@ -54,7 +54,7 @@ class Reader {
   template <typename Number>
   Number number() {
     Number value{};
-    if (left() < sizeof value) throw LinkError(fmt::format("a {} of {} bytes is too short", what_, body_->size()));
+    if (left() < sizeof value) throw Malformed(fmt::format("a {} of {} bytes is too short", what_, body_->size()));
     std::memcpy(&value, body_->data() + at_, sizeof value);
     at_ += sizeof value;
     return value;
@@ -84,7 +84,7 @@ class Reader {
   [[nodiscard]] std::size_t left() const { return body_->size() - at_; }
   std::string rest() { return body_->substr(std::exchange(at_, body_->size())); }
   void end() const {
-    if (left() > 0) throw LinkError(fmt::format("a {} of {} bytes is too long", what_, body_->size()));
+    if (left() > 0) throw Malformed(fmt::format("a {} of {} bytes is too long", what_, body_->size()));
   }
 
  private:
@@ -93,6 +93,19 @@ class Reader {
   std::size_t at_ = 0;
 };
 
+/// As a line that does nothing to a terminal.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return text;
+}
+
+/// Bytes that are no UTF-8 are replaced.
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 /// Reads JSON; what is wrong with it is the other end's fault.
 template <typename Read>
 auto from_json(const char* what, const std::string& body, const Read& read) {
@@ -100,12 +113,12 @@ auto from_json(const char* what, const std::string& body, const Read& read) {
     const Json json = parse_json(body, what);
     return read(JsonReader(json, what));
   } catch (const InputError& error) {
-    throw LinkError(error.what());
+    throw Malformed(printable(error.what()));
   }
 }
 
 std::string text_in(const JsonReader& reader) {
-  std::string text = reader.text();
+  std::string text = printable(reader.text());
   if (text.size() > kLongestText) reader.fail(fmt::format("at most {} characters", kLongestText));
   return text;
 }
@@ -132,9 +145,9 @@ std::optional<Message> Stream::next() {
   std::memcpy(&length, bytes_.data(), sizeof length);
   const auto type = static_cast<std::uint8_t>(bytes_[sizeof length]);
   if (length > kLongest)
-    throw LinkError(fmt::format("a message of {} bytes: must be at most {}; is this a baton link?", length, kLongest));
+    throw Malformed(fmt::format("a message of {} bytes: must be at most {}; is this a baton link?", length, kLongest));
   if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::bye))
-    throw LinkError(fmt::format("a message of unknown type {}; is this a baton link?", type));
+    throw Malformed(fmt::format("a message of unknown type {}; is this a baton link?", type));
   if (bytes_.size() < kHead + length) return std::nullopt;
   Message message{static_cast<Type>(type), bytes_.substr(kHead, length)};
   bytes_.erase(0, kHead + length);
@@ -142,29 +155,32 @@ std::optional<Message> Stream::next() {
 }
 
 std::string encode(const Hello& hello) {
-  return Json{
-      {"baton", hello.version}, {"token", hello.token}, {"role", hello.role == Hello::Role::drive ? "drive" : "damp"}}
-      .dump();
+  return dumped({{"baton", hello.version},
+                 {"token", hello.token},
+                 {"role", hello.role == Hello::Role::drive ? "drive" : "damp"}});
 }
 
 std::string encode(const Welcome& welcome) {
-  return Json{{"baton", welcome.version}, {"robot", welcome.robot},         {"joints", welcome.joints},
-              {"period", welcome.period}, {"lock_step", welcome.lock_step}, {"on", welcome.on},
-              {"world", welcome.world}}
-      .dump();
+  return dumped({{"baton", welcome.version},
+                 {"robot", welcome.robot},
+                 {"joints", welcome.joints},
+                 {"period", welcome.period},
+                 {"lock_step", welcome.lock_step},
+                 {"on", welcome.on},
+                 {"world", welcome.world}});
 }
 
 std::string encode(const Start& start) {
   const auto list = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
-  return Json{{"drive", start.drive}, {"kp", list(start.kp)}, {"kd", list(start.kd)}}.dump();
+  return dumped({{"drive", start.drive}, {"kp", list(start.kp)}, {"kd", list(start.kd)}});
 }
 
 std::string encode(const Refusal& refusal) {
-  return Json{{"reason", refusal.reason}, {"text", refusal.text}}.dump();
+  return dumped({{"reason", refusal.reason}, {"text", shortened(refusal.text, kLongestText)}});
 }
 
 std::string encode_text(const std::string& text) {
-  return Json{{"text", shortened(text, kLongestText)}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return dumped({{"text", shortened(text, kLongestText)}});
 }
 
 std::string encode(const Reading& reading) {
@@ -298,7 +314,7 @@ Truth decode_truth(const std::string& body, Eigen::Index joints) {
   for (const Side side : kSides)
     truth.touch[side] = reader.number<std::uint8_t>() != 0;
   truth.fallen = reader.number<std::uint8_t>() != 0;
-  truth.fall = shortened(reader.rest(), kLongestText);
+  truth.fall = printable(shortened(reader.rest(), kLongestText));
   return truth;
 }
 

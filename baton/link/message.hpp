@@ -12,6 +12,12 @@
 
 namespace baton::link {
 
+/// What the other end says is no message of the protocol.
+class Malformed : public LinkError {
+ public:
+  using LinkError::LinkError;
+};
+
 inline constexpr int kVersion = 1;
 inline constexpr std::size_t kLongest = 1U << 20U;  ///< longest body of a message [bytes]
 
@@ -42,7 +48,7 @@ class Stream {
   /// Where the bytes are appended.
   std::string& bytes() { return bytes_; }
   /// The next whole message, if there is one.
-  /// @throws LinkError a message of unknown type, or longer than `kLongest`
+  /// @throws Malformed a message of unknown type, or longer than `kLongest`
   [[nodiscard]] std::optional<Message> next();
 
  private:
@@ -108,7 +114,7 @@ struct Target {
 [[nodiscard]] std::string encode_text(const std::string& text);
 
 /// The bodies of messages. All numbers of JSON are finite, all vectors have the stated length.
-/// @throws LinkError malformed
+/// @throws Malformed
 [[nodiscard]] Hello decode_hello(const std::string& body);
 [[nodiscard]] Welcome decode_welcome(const std::string& body);
 [[nodiscard]] Start decode_start(const std::string& body, Eigen::Index joints);

@@ -122,8 +122,11 @@ void RemoteRobot::write(const JointTarget& target) {
 void RemoteRobot::await_reading(Socket::Time limit) {
   const Eigen::Index joints = model_->nv() - 6;
   const long before = rejected_;
+  const auto until = std::chrono::steady_clock::now() + limit;
   while (true) {
-    const Message message = receive(limit);
+    const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
+    if (left.count() <= 0) throw LinkError(fmt::format("no measurement for {} ms", limit.count()));
+    const Message message = receive(left);
     switch (message.type) {
       case Type::truth:
         truth_ = decode_truth(message.body, joints);
@@ -139,6 +142,9 @@ void RemoteRobot::await_reading(Socket::Time limit) {
         throw LinkError("the robot has ended the connection");
       case Type::measurement:
         reading_ = decode_reading(message.body, joints);
+        if (expected_ > 0 && reading_.measurement.root.has_value() != perfect_)
+          throw LinkError("a measurement with a root, and one without");
+        perfect_ = reading_.measurement.root.has_value();
         if (reading_.sequence != expected_)
           throw LinkError(fmt::format("measurement {} in place of {}", reading_.sequence, expected_));
         ++expected_;

@@ -63,6 +63,7 @@ class RemoteRobot : public Robot {
   Welcome welcome_;
   Reading reading_;
   std::uint64_t expected_ = 0;  ///< sequence of the next measurement
+  bool perfect_ = false;        ///< measurements have the root
   std::optional<Truth> truth_;
   long rejected_ = 0;
   long in_a_row_ = 0;

@@ -19,6 +19,8 @@ namespace {
 constexpr Socket::Time kSending{0};
 constexpr std::chrono::seconds kGreeting{5};  ///< by which a connection has to say what it wants
 constexpr std::size_t kMostGuests = 16;
+constexpr int kMostInTurn = 16;                              ///< messages of one peer before others are heard
+constexpr std::chrono::seconds kRefusals{1};                 ///< of refusals within this time one is logged
 constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
 constexpr long kEveryRejection = 200;                        ///< of so many rejections in a row one is logged
 constexpr std::uint64_t kOldest =
@@ -36,11 +38,14 @@ bool same_token(const std::string& a, const std::string& b) {
 }  // namespace
 
 RobotServer::RobotServer(const RobotModel& model, Robot& robot, Parameters parameters)
-    : model_(&model), robot_(&robot), parameters_(std::move(parameters)), check_(model) {
+    : model_(&model),
+      robot_(&robot),
+      parameters_(std::move(parameters)),
+      listener_(Socket::listen(parameters_.listen)),
+      check_(model) {
   if (parameters_.token.empty() && !parameters_.listen.loopback())
     throw InputError(
         fmt::format("{} can be reached by others: needs a token, which drivers must know", parameters_.listen.text()));
-  listener_ = Socket::listen(parameters_.listen);
 }
 
 Address RobotServer::address() const {
@@ -52,7 +57,7 @@ void RobotServer::serve(Socket::Time limit) {
   for (const Peer& guest : guests_)
     all.push_back({guest.socket.descriptor(), POLLIN, 0});
   if (driver_) all.push_back({driver_->socket.descriptor(), POLLIN, 0});
-  std::chrono::nanoseconds wait = limit;
+  std::chrono::nanoseconds wait = more_ ? Socket::Time(0) : limit;
   if (parameters_.real_time && runs_) wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
   const auto seconds = std::chrono::floor<std::chrono::seconds>(wait);
   const timespec longest{seconds.count(), (wait - seconds).count()};
@@ -62,40 +67,17 @@ void RobotServer::serve(Socket::Time limit) {
 }
 
 void RobotServer::hear_all() {
-  const auto take = [this](Peer& peer) {
-    std::exception_ptr gone;  // after what it has said before
-    try {
-      while (peer.stream.bytes().size() < kMostAtOnce && peer.socket.receive(peer.stream.bytes(), Socket::Time(0))) {
-      }
-    } catch (const LinkError&) {
-      gone = std::current_exception();
-    }
-    const bool guest = !peer.welcomed;
-    while (std::optional<Message> message = peer.stream.next()) {
-      if (!hear(peer, *message)) return false;
-      if (guest && peer.welcomed) break;  // goes on as the driver
-    }
-    if (gone) std::rethrow_exception(gone);
-    return true;
-  };
-  const auto attempt = [&](Peer& peer, std::string& why) {
-    try {
-      return take(peer);
-    } catch (const LinkError& error) {
-      why = error.what();
-      return false;
-    }
-  };
+  more_ = false;
   std::string why;
-  if (driver_ && !attempt(*driver_, why)) drop_driver(why);
+  if (driver_ && !listen_to(*driver_, why)) drop_driver(why);
   const auto now = parameters_.now();
   std::vector<Peer> staying;
   for (Peer& guest : guests_) {
-    if (!attempt(guest, why) || now - guest.since > kGreeting) continue;
+    if (!listen_to(guest, why) || now - guest.since > kGreeting) continue;
     if (guest.welcomed) {
       driver_ = std::move(guest);
       state_ = State::driven;
-      if (!attempt(*driver_, why)) drop_driver(why);
+      if (!listen_to(*driver_, why)) drop_driver(why);
     } else {
       staying.push_back(std::move(guest));
     }
@@ -105,9 +87,41 @@ void RobotServer::hear_all() {
   accept();
 }
 
+bool RobotServer::listen_to(Peer& peer, std::string& why) {
+  try {
+    std::exception_ptr gone;  // after what it has said before
+    try {
+      while (peer.stream.bytes().size() < kMostAtOnce && peer.socket.receive(peer.stream.bytes(), Socket::Time(0))) {
+      }
+    } catch (const LinkError&) {
+      gone = std::current_exception();
+    }
+    try {
+      const bool guest = !peer.welcomed;
+      int heard = 0;
+      while (std::optional<Message> message = peer.stream.next()) {
+        if (!hear(peer, *message)) return false;
+        if (guest && peer.welcomed) break;  // goes on as the driver
+        if (++heard == kMostInTurn) {
+          more_ = true;
+          return true;
+        }
+      }
+    } catch (const Malformed& error) {
+      return refuse(peer, "protocol", error.what());
+    }
+    if (gone) std::rethrow_exception(gone);
+    return true;
+  } catch (const LinkError& error) {
+    why = error.what();
+    return false;
+  }
+}
+
 void RobotServer::accept() {
   while (std::optional<Socket> socket = listener_.accept()) {
-    if (guests_.size() >= kMostGuests) continue;  // closes it
+    // Who has been silent longest makes room: nobody can keep away the one who damps.
+    if (guests_.size() >= kMostGuests) guests_.erase(guests_.begin());
     guests_.push_back({*std::move(socket), {}, parameters_.now()});
   }
 }
@@ -128,6 +142,7 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
       damp("asked for by the driver: " + decode_text(message.body));
       return true;
     case Type::bye:
+      parameters_.log("the driver has handed the robot back");
       return false;
     default:
       return refuse(peer, "protocol",
@@ -202,6 +217,7 @@ void RobotServer::follow(Peer& peer, const Message& message) {
     target_.dq = target.dq;
     target_.tau = target.tau;
     next_ = target.sequence + 1;
+    rejections_ = 0;
   }
   if (!parameters_.real_time) advance();
 }
@@ -256,13 +272,20 @@ void RobotServer::send_reading(Peer& peer) {
 }
 
 bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::string& text) {
-  parameters_.log(fmt::format("refused ({}): {}", reason, text));
+  const Clock::time_point now = parameters_.now();
+  ++refusals_;
+  if (now - refused_at_ >= kRefusals || refused_at_ == Clock::time_point()) {
+    const std::string others = refusals_ > 1 ? fmt::format(", and {} others since the last", refusals_ - 1) : "";
+    parameters_.log(fmt::format("refused ({}): {}{}", reason, text, others));
+    refusals_ = 0;
+    refused_at_ = now;
+  }
   peer.socket.send(framed(Type::refusal, encode(Refusal{reason, text})), kSending);
   return false;
 }
 
 void RobotServer::drop_driver(const std::string& why) {
-  parameters_.log(why.empty() ? "the driver has handed the robot back" : "driver lost: " + why);
+  if (!why.empty()) parameters_.log("driver lost: " + why);
   driver_.reset();
   if (state_ == State::driven) state_ = State::waiting;
 }

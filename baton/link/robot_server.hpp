@@ -57,6 +57,10 @@ class RobotServer {
   };
 
   void hear_all();
+  /// Takes what a peer has sent.
+  /// @param why receives why it is gone, unless it has said so
+  /// @returns whether it stays connected
+  [[nodiscard]] bool listen_to(Peer& peer, std::string& why);
   void accept();
   /// @returns whether the peer stays connected
   [[nodiscard]] bool hear(Peer& peer, const Message& message);
@@ -72,7 +76,7 @@ class RobotServer {
   void advance_if_due();
   void send_reading(Peer& peer);
   [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
-  /// @param why "": the driver has said so
+  /// @param why for the log; "": it is there already
   void drop_driver(const std::string& why);
 
   const RobotModel* model_;
@@ -87,9 +91,12 @@ class RobotServer {
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
   long rejections_ = 0;
-  bool runs_ = false;       ///< a driver has started it
-  Clock::time_point due_;   ///< end of the tick, in real time
-  std::uint64_t next_ = 0;  ///< least sequence of the next target that may be followed
+  long refusals_ = 0;             ///< not logged yet
+  Clock::time_point refused_at_;  ///< of the last one that was logged
+  bool more_ = false;             ///< a peer has sent more than what was heard
+  bool runs_ = false;             ///< a driver has started it
+  Clock::time_point due_;         ///< end of the tick, in real time
+  std::uint64_t next_ = 0;        ///< least sequence of the next target that may be followed
 };
 
 }  // namespace baton::link

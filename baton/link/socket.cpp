@@ -184,12 +184,13 @@ int Socket::port() const {
 }
 
 void Socket::send(std::string_view bytes, Time limit) {
+  const auto until = std::chrono::steady_clock::now() + limit;
   while (!bytes.empty()) {
     const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent >= 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (!ready(descriptor_, POLLOUT, limit))
+      if (!ready(descriptor_, POLLOUT, std::chrono::ceil<Time>(until - std::chrono::steady_clock::now())))
         throw LinkError(fmt::format("the other end takes nothing for {} ms", limit.count()));
     } else if (errno != EINTR) {
       throw LinkError(fmt::format("the other end is gone: {}", std::strerror(errno)));

@@ -105,6 +105,7 @@ TEST(DriveOverALink, ATokenComesFromAFile) {
   EXPECT_THAT(without.err, HasSubstr("refused (token): a token is needed"));
   EXPECT_THAT(drive({"--token", scratch.write("wrong", "open\n")}).err, HasSubstr("the token is wrong"));
   EXPECT_THAT(drive({"--token", scratch.write("empty", " \n")}).err, HasSubstr("is empty"));
+  EXPECT_THAT(drive({"--token", scratch.write("binary", "\xff\x01")}).err, HasSubstr("ASCII"));
   const Outcome right = drive({"--token", scratch.write("right", "open sesame\n")});
   EXPECT_EQ(right.code, app::kDone) << right.err;
   EXPECT_EQ(run({"damp", end.address}).code, app::kFailed);
@@ -127,6 +128,9 @@ TEST(DriveOverALink, WhatOnlyTheOtherEndKnowsIsNotTakenHere) {
     EXPECT_EQ(outcome.code, app::kBadInput) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(named));
   }
+  EXPECT_THAT(run({"drive", "--on", end.address, "--world", "flat", "--times", "2", "--headless"}).err,
+              HasSubstr("--times 2 with --on tcp://"));
+  EXPECT_THAT(run({"drive", "--token", "t", "--headless"}).err, HasSubstr("goes with --on tcp://"));
   EXPECT_THAT(run({"drive", "--on", "udp://x:1"}).err, HasSubstr("is not sim, ideal or tcp://HOST:PORT"));
   EXPECT_THAT(run({"drive", "--on", "tcp://x"}).err, HasSubstr("is no address"));
   EXPECT_THAT(run({"robot"}).err, HasSubstr("--sim is missing"));

@@ -192,6 +192,14 @@ TEST(LinkMessage, HandshakesSurviveTheWayAndSayWhatIsWrong) {
     EXPECT_THAT(complaint(read), HasSubstr(named));
 }
 
+TEST(LinkMessage, WhatTheOtherEndSaysDoesNothingToATerminal) {
+  EXPECT_EQ(decode_text(encode_text("red \x1b[31m\nnext")), "red  [31m next");
+  EXPECT_EQ(decode_text(encode_text("bad \xff")), "bad \xef\xbf\xbd");  // no UTF-8
+  const std::string why = complaint([] { (void)decode_hello("{\"baton\": \"\x1b[2J\"}"); });
+  EXPECT_FALSE(why.empty());
+  EXPECT_EQ(why.find('\x1b'), std::string::npos);
+}
+
 TEST(LinkMessage, AnAddressIsReadOrRefused) {
   EXPECT_EQ(Address::parse("tcp://robot.local:7447").host, "robot.local");
   EXPECT_EQ(Address::parse("127.0.0.1:7").port, 7);

@@ -351,6 +351,14 @@ TEST_P(RobotServerTest, WhoMayNotDriveIsToldWhy) {
     EXPECT_THAT(refused(raw.answer()), HasSubstr("token: "));
     EXPECT_TRUE(raw.closed());
   }
+  {
+    Raw malformed(served.address());
+    malformed.send(Type::hello, "{\"baton\": 1, \"role\": \"king\"}");
+    EXPECT_THAT(refused(malformed.answer()), HasSubstr("protocol: hello: role"));
+    Raw strange(served.address());
+    strange.send("GET / HTTP/1.1\r\n\r\n");
+    EXPECT_THAT(refused(strange.answer()), HasSubstr("is this a baton link?"));
+  }
   Raw old(served.address());
   old.send(Type::hello, hello(kVersion + 1, "secret"));
   EXPECT_THAT(refused(old.answer()), HasSubstr("version: version 2 of the protocol: must be 1"));
@@ -454,6 +462,62 @@ TEST_P(RobotServerTest, DampedItsMotorsOnlyBrakeUntilItIsArmedAtTheRobotsEnd) {
     again.session().step(Command{});
     EXPECT_NEAR(again.truth().q[2], height, 0.01 * height);
   }
+}
+
+TEST_P(RobotServerTest, DampIsLatchedHoweverSoonItComes) {
+  for (const bool started : {false, true}) {
+    Served served(robot_);
+    Raw raw(served.address());
+    raw.send(framed(Type::hello, hello()) + (started ? framed(Type::start, encode(start_of(robot_))) : "") +
+             framed(Type::damp, encode_text("at once")));  // in one piece
+    EXPECT_EQ(raw.answer().type, Type::welcome);
+    if (started) {
+      EXPECT_FALSE(reading(raw.answer()).damped);
+    }
+    EXPECT_EQ(raw.answer().type, Type::damp);
+    if (started) {
+      const VecX zero = VecX::Zero(n_);
+      raw.send(Type::target, encode(Target{0, VecX::Zero(n_), zero, zero}));
+      Message message = raw.answer();
+      if (message.type == Type::rejected) message = raw.answer();
+      EXPECT_TRUE(reading(message).damped);
+    } else {
+      raw.send(Type::start, encode(start_of(robot_)));
+      EXPECT_THAT(refused(raw.answer()), HasSubstr("damped: asked for by the driver: at once"));
+    }
+    EXPECT_THAT(complaint([&] { (void)remote(served); }), HasSubstr("(damped)"));
+  }
+}
+
+TEST_P(RobotServerTest, ConnectionsThatSayNothingKeepNobodyAway) {
+  Served served(robot_, {}, "secret");
+  std::vector<std::unique_ptr<Raw>> silent;
+  for (int k = 0; k < 100; ++k)
+    silent.push_back(std::make_unique<Raw>(served.address()));
+  { (void)remote(served, "secret"); }
+  for (int k = 0; k < 100; ++k)
+    silent.push_back(std::make_unique<Raw>(served.address()));
+  EXPECT_NO_THROW(damp(served.address(), "secret"));
+  served.at_the_robot([](RobotServer& server) { EXPECT_EQ(server.state(), RobotServer::State::damped); });
+}
+
+TEST_P(RobotServerTest, ADriverThatFloodsItWithTargetsKeepsNobodyFromDamping) {
+  Served served(robot_);
+  Raw raw(served.address());
+  raw.send(Type::hello, hello());
+  EXPECT_EQ(raw.answer().type, Type::welcome);
+  raw.send(Type::start, encode(start_of(robot_)));
+  const Reading first = reading(raw.answer());
+  const VecX zero = VecX::Zero(n_);
+  std::string flood;
+  for (std::uint64_t sequence = 0; sequence < 1500; ++sequence)
+    flood += framed(Type::target, encode(Target{sequence, first.measurement.q, zero, zero}));
+  raw.send(flood);
+  damp(served.address(), "");
+  served.at_the_robot([&](RobotServer&) {
+    // Far from all of them were followed before.
+    EXPECT_LT(served.truth().t, 1000 * robot_.profile().tick.period);
+  });
 }
 
 TEST_P(RobotServerTest, NoBytesWhateverTheyAreKeepADriverAway) {
@@ -604,6 +668,14 @@ TEST_P(RobotServerTest, ARobotThatBreaksTheProtocolIsNoticed) {
                 return Messages{p.measurement(0), framed(Type::bye)};
               }),
               HasSubstr("has ended the connection"));
+  EXPECT_THAT(said(
+                  [](const Puppet& p) {
+                    Messages chatter{p.measurement(0)};
+                    chatter.resize(5000, framed(Type::rejected, encode_text("a jump")));
+                    return chatter;
+                  },
+                  false, Socket::Time(30)),
+              HasSubstr(" ms"));
   EXPECT_THAT(said([](const Puppet& p) { return Messages{p.measurement(0)}; }, false, Socket::Time(30)),
               HasSubstr("nothing from the robot for 30 ms"));
 }

@@ -38,7 +38,7 @@ class RobotsEnd:
 
     def __exit__(self, *_):
         self.process.kill()
-        self.process.communicate()
+        self.process.wait()
 
     def type(self, line):
         self.process.stdin.write(line + "\n")
@@ -89,7 +89,8 @@ def test_a_robot_that_is_killed_ends_the_run_with_its_files_written(tmp_path):
         driver = subprocess.Popen(
             drive_command(end.address, 60, "--report", report, "--trace", trace), stderr=subprocess.PIPE, text=True
         )
-        end.await_log("a driver has taken over")
+        while not trace.exists() or trace.stat().st_size < 20_000:  # until it drives
+            assert driver.poll() is None
         end.process.kill()
         _, log = driver.communicate(timeout=30)
     assert driver.returncode == 1
@@ -139,6 +140,33 @@ def test_only_this_machine_without_a_token(tmp_path):
     with simulated("--token", token) as end:
         assert "refused (token)" in drive(end.address, 1).stderr
         assert drive(end.address, 1, "--token", token).returncode == 0
+
+
+@pytest.mark.parametrize("closed", ["<&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_descriptors_are_not_taken_by_connections(closed, tmp_path):
+    """Else the robot's end would log into a connection, or take what it says for keys."""
+    with simulated() as other:  # a port that is free now
+        port = other.address.rsplit(":", 1)[1]
+    command = f"exec {BATON} robot --sim --world flat --listen 127.0.0.1:{port} {closed}"
+    process = subprocess.Popen(["bash", "-c", command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    try:
+        for _ in range(200):
+            done = drive(f"tcp://127.0.0.1:{port}", 1)
+            if "Connection refused" not in done.stderr:
+                break
+        assert done.returncode == 0, done.stderr
+        assert process.poll() is None
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_a_log_that_nobody_reads_any_more_ends_nothing():
+    with simulated() as end:
+        end.process.stderr.close()
+        assert drive(end.address, 1).returncode == 0
+        assert drive(end.address, 1).returncode == 0
+        assert end.process.poll() is None
 
 
 def test_a_robot_in_python_is_driven_by_its_torques(tmp_path):
