@@ -15,6 +15,8 @@
 #include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "app/view.hpp"
+#include "baton/ik/stand.hpp"
+#include "baton/link/engage.hpp"
 #include "baton/link/remote_robot.hpp"
 #include "baton/model/error.hpp"
 #include "baton/run/planning_thread.hpp"
@@ -25,6 +27,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
+constexpr double kSettled = 0.5;  ///< time of rest after which a robot has taken its stance, or cannot [s]
+const Command kHome{.recall = Recall::home};
 constexpr double kNotFollowing = 0.1;       ///< time of rejected targets after which a run ends [s]
 constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
@@ -78,6 +82,15 @@ std::unique_ptr<link::RemoteRobot> remote_robot(const DriveOptions& o, const Rob
   return remote;
 }
 
+/// Says whether the robot has come to its stance.
+void say_engaged(const Session& session, const Refusals& refusals) {
+  if (link::in_stance(session.model(), session.navigator().state().q.tail(session.model().nv() - 6))) {
+    spdlog::info("in its stance");
+  } else {
+    spdlog::warn("does not find to its stance{}: guide it from where it is", refusals.count() > 0 ? ", refused" : "");
+  }
+}
+
 /// Warns of targets that the robot has rejected since the last call.
 void warn_of_rejections(const link::RemoteRobot& robot, long& told) {
   if (robot.rejected() == told) return;
@@ -113,6 +126,7 @@ int drive(const DriveOptions& o) {
                                     .calibration = calibration_in(o.calibration, robot, on)};
   std::optional<Simulation> given;
   if (remote != nullptr) {
+    parameters.start = named_in(o.on, [&] { return link::engage(robot, world.site("start"), connected->read().q); });
     given.emplace(robot, world, std::move(connected), parameters);
   } else {
     parameters.physics = parameters_of(o.physics, robot, o.on, o.seed);
@@ -161,6 +175,9 @@ int drive(const DriveOptions& o) {
   const Clock::time_point start = Clock::now();
   double began = 0.0;
   bool stopping = false;
+  bool engaging = remote != nullptr && !link::in_stance(robot, parameters.start->q.tail(robot.nv() - 6));
+  if (engaging) spdlog::info("takes its stance first");
+  int rested = 0;  ///< ticks
   bool stuck = false;
   long rejected = 0;   ///< targets
   std::string broken;  ///< why the robot follows no longer; "": it does
@@ -179,6 +196,11 @@ int drive(const DriveOptions& o) {
     try {
       if (stopping) {
         session.step(Command{});
+      } else if (engaging) {
+        session.step(kHome);
+        rested = session.resting() ? rested + 1 : 0;
+        engaging = rested * period < kSettled;
+        if (!engaging) say_engaged(session, refusals);
       } else {
         session.step(inputs);
       }

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::link {
@@ -12,7 +11,6 @@ namespace {
 
 constexpr Socket::Time kSending{2000};
 constexpr Socket::Time kFarewell{200};
-constexpr double kNear = 0.15;  ///< largest difference of a joint from the stance that a run begins with [rad]
 
 Message receive_from(Socket& socket, Stream& stream, Socket::Time limit) {
   const auto until = std::chrono::steady_clock::now() + limit;
@@ -43,7 +41,6 @@ RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, cons
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters.address.text(), error.what()));
   }
-  check_start();
 }
 
 RemoteRobot::~RemoteRobot() {
@@ -94,17 +91,6 @@ void RemoteRobot::check_joints() const {
   }
   if (std::abs(welcome_.period - profile.tick.period) > 1e-9)
     because(fmt::format("has a tick of {} s: must be {} s", welcome_.period, profile.tick.period));
-}
-
-void RemoteRobot::check_start() const {
-  const VecX q = stand(*model_, Pose{}, model_->profile().stance.com_height).q.tail(model_->nv() - 6);
-  const VecX off = reading_.measurement.q - q;
-  for (Eigen::Index i = 0; i < off.size(); ++i) {
-    if (std::abs(off[i]) <= kNear) continue;
-    throw InputError(fmt::format("{}: {} is at {:.3f} rad: must be within {} of the stance, {:.3f}",
-                                 parameters_.address.text(), model_->joints()[static_cast<std::size_t>(i)].name,
-                                 reading_.measurement.q[i], kNear, q[i]));
-  }
 }
 
 void RemoteRobot::write(const JointTarget& target) {

@@ -53,8 +53,6 @@ class RemoteRobot : public Robot {
   /// Takes messages up to the next measurement.
   void await_reading(Socket::Time limit);
   void check_joints() const;
-  /// @throws InputError the robot stands elsewhere than where a run begins
-  void check_start() const;
 
   const RobotModel* model_;
   Parameters parameters_;

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 namespace {
 
 /// What a peer does not take at once is more than what it is owed: it does not listen.
-constexpr Socket::Time kSending{0};
+constexpr Socket::Time kAtOnce{0};
 constexpr std::chrono::seconds kGreeting{5};  ///< by which a connection has to say what it wants
 constexpr std::size_t kMostGuests = 16;
 constexpr int kMostInTurn = 16;                              ///< messages of one peer before others are heard
@@ -158,7 +158,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
     return refuse(peer, "token", hello.token.empty() ? "a token is needed" : "the token is wrong");
   if (hello.role == Hello::Role::damp) {
     damp("asked for over the network");
-    peer.socket.send(framed(Type::damp, encode_text(damped_because_)), kSending);
+    peer.socket.send(framed(Type::damp, encode_text(damped_because_)), kAtOnce);
     return false;
   }
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
@@ -171,7 +171,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   welcome.lock_step = !parameters_.real_time;
   welcome.on = parameters_.on;
   welcome.world = parameters_.world;
-  peer.socket.send(framed(Type::welcome, encode(welcome)), kSending);
+  peer.socket.send(framed(Type::welcome, encode(welcome)), kAtOnce);
   peer.welcomed = true;  // `serve` makes it the driver
   return true;
 }
@@ -211,7 +211,7 @@ void RobotServer::follow(Peer& peer, const Message& message) {
   const Target target = decode_target(message.body, model_->nv() - 6);
   if (const std::optional<std::string> why = judge(target)) {
     if (rejections_++ % kEveryRejection == 0) parameters_.log("target rejected: " + *why);
-    peer.socket.send(framed(Type::rejected, encode_text(*why)), kSending);
+    peer.socket.send(framed(Type::rejected, encode_text(*why)), kAtOnce);
   } else {
     target_.q = target.q;
     target_.dq = target.dq;
@@ -268,7 +268,7 @@ void RobotServer::send_reading(Peer& peer) {
   std::string bytes;
   if (const Truth* truth = robot_->truth()) bytes = framed(Type::truth, encode(*truth));
   bytes += framed(Type::measurement, encode(reading_));
-  peer.socket.send(bytes, kSending);
+  peer.socket.send(bytes, kAtOnce);
 }
 
 bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::string& text) {
@@ -280,7 +280,7 @@ bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::strin
     refusals_ = 0;
     refused_at_ = now;
   }
-  peer.socket.send(framed(Type::refusal, encode(Refusal{reason, text})), kSending);
+  peer.socket.send(framed(Type::refusal, encode(Refusal{reason, text})), kAtOnce);
   return false;
 }
 
@@ -297,7 +297,7 @@ void RobotServer::damp(const std::string& because) {
   parameters_.log("damped: " + because);
   if (!driver_) return;
   try {
-    driver_->socket.send(framed(Type::damp, encode_text(because)), kSending);
+    driver_->socket.send(framed(Type::damp, encode_text(because)), kAtOnce);
   } catch (const LinkError&) {  // `serve` finds that out, too
   }
 }
@@ -306,7 +306,7 @@ void RobotServer::arm() {
   if (state_ != State::damped) return;
   if (driver_) {
     try {
-      driver_->socket.send(framed(Type::bye), kSending);
+      driver_->socket.send(framed(Type::bye), kAtOnce);
     } catch (const LinkError&) {  // it is gone already
     }
   }

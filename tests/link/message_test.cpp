@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 
 template <typename Thrower>
-std::string complaint(const Thrower& thrower) {
+std::string malformed(const Thrower& thrower) {
   try {
     thrower();
   } catch (const LinkError& error) {
@@ -140,10 +140,10 @@ TEST(LinkMessage, AStreamIsTakenApartWhereverItIsCut) {
 TEST(LinkMessage, WhatIsNoMessageIsSaidAtOnce) {
   Stream http;
   http.bytes() = "GET / HTTP/1.1\r\n";
-  EXPECT_THAT(complaint([&] { (void)http.next(); }), HasSubstr("is this a baton link?"));
+  EXPECT_THAT(malformed([&] { (void)http.next(); }), HasSubstr("is this a baton link?"));
   Stream unknown;
   unknown.bytes() = std::string("\x01\x00\x00\x00\x2a", 5);
-  EXPECT_THAT(complaint([&] { (void)unknown.next(); }), HasSubstr("unknown type 42"));
+  EXPECT_THAT(malformed([&] { (void)unknown.next(); }), HasSubstr("unknown type 42"));
 }
 
 TEST(LinkMessage, ABodyOfAnyOtherLengthIsRefused) {
@@ -156,9 +156,9 @@ TEST(LinkMessage, ABodyOfAnyOtherLengthIsRefused) {
     std::string body = whole;
     body.resize(size);
     const bool right = size == whole.size() || size == whole.size() + 18 * 8;  // with the root
-    EXPECT_EQ(complaint([&] { (void)decode_reading(body, 3); }).empty(), right) << size;
+    EXPECT_EQ(malformed([&] { (void)decode_reading(body, 3); }).empty(), right) << size;
     body.resize(std::min(size, target.size() + 50));
-    EXPECT_EQ(complaint([&] { (void)decode_target(body, 3); }).empty(), body.size() == target.size());
+    EXPECT_EQ(malformed([&] { (void)decode_target(body, 3); }).empty(), body.size() == target.size());
   }
 }
 
@@ -189,13 +189,13 @@ TEST(LinkMessage, HandshakesSurviveTheWayAndSayWhatIsWrong) {
       {[] { (void)decode_start(R"({"drive": "fast", "kp": [1], "kd": [1]})", 1); }, "drive"},
   };
   for (const auto& [read, named] : cases)
-    EXPECT_THAT(complaint(read), HasSubstr(named));
+    EXPECT_THAT(malformed(read), HasSubstr(named));
 }
 
 TEST(LinkMessage, WhatTheOtherEndSaysDoesNothingToATerminal) {
   EXPECT_EQ(decode_text(encode_text("red \x1b[31m\nnext")), "red  [31m next");
   EXPECT_EQ(decode_text(encode_text("bad \xff")), "bad \xef\xbf\xbd");  // no UTF-8
-  const std::string why = complaint([] { (void)decode_hello("{\"baton\": \"\x1b[2J\"}"); });
+  const std::string why = malformed([] { (void)decode_hello("{\"baton\": \"\x1b[2J\"}"); });
   EXPECT_FALSE(why.empty());
   EXPECT_EQ(why.find('\x1b'), std::string::npos);
 }

@@ -1,5 +1,6 @@
 """The two ends of a connection as processes of their own, and a robot's end that is not ours (examples/06_robot.py)."""
 
+import csv
 import json
 import os
 import pathlib
@@ -167,6 +168,23 @@ def test_a_log_that_nobody_reads_any_more_ends_nothing():
         assert drive(end.address, 1).returncode == 0
         assert drive(end.address, 1).returncode == 0
         assert end.process.poll() is None
+
+
+def test_a_robot_that_stands_otherwise_takes_its_stance_first(tmp_path):
+    example = (ROOT / "examples" / "06_robot.py").read_text()
+    moved = example.replace('"shoulder_flexion": -0.349', '"shoulder_flexion": 0.2')
+    assert moved != example
+    (tmp_path / "robot.py").write_text(moved)
+    trace = tmp_path / "trace.csv"
+    with RobotsEnd(sys.executable, tmp_path / "robot.py", "0") as end:
+        done = drive(end.address, 6, "--state", "torques", "--trace", trace)
+    assert done.returncode == 0, done.stderr
+    assert "takes its stance first" in done.stderr and "in its stance" in done.stderr
+    with trace.open() as file:
+        shoulder = [float(row["target_left_shoulder_flexion"]) for row in csv.DictReader(file)]
+    assert shoulder[0] == pytest.approx(0.2)
+    assert shoulder[-1] == pytest.approx(-0.349, abs=0.01)
+    assert max(abs(b - a) for a, b in zip(shoulder, shoulder[1:])) < 0.03  # no jump
 
 
 def test_a_robot_in_python_is_driven_by_its_torques(tmp_path):

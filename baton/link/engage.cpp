@@ -1,0 +1,66 @@
+#include "baton/link/engage.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "baton/ik/stand.hpp"
+#include "baton/model/contact.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::link {
+namespace {
+
+constexpr double kNear = 0.15;   ///< largest difference of a joint from the stance; zero errors and sag are less [rad]
+constexpr double kLevel = 0.06;  ///< inclination of a sole against the other that zero errors may explain [rad]
+constexpr double kSame = 0.02;   ///< difference of their heights [COM height]
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+bool in_stance(const RobotModel& robot, const VecX& q) {
+  const VecX stance = stand(robot, Pose{}, robot.profile().stance.com_height).q.tail(q.size());
+  return (q - stance).cwiseAbs().maxCoeff() <= kNear;
+}
+
+Posture engage(const RobotModel& robot, const Pose& start, const VecX& q) {
+  const double height = robot.profile().stance.com_height;
+  if (in_stance(robot, q)) return stand(robot, start, height);
+  VecX whole = VecX::Zero(robot.nq());
+  whole[3] = 1.0;
+  whole.tail(q.size()) = q;
+  const BySide<Pose> sole = posture_of(robot, whole).sole;
+  const Vec3 up = (sole.left.R.col(2) + sole.right.R.col(2)).normalized();
+  const double inclined = angle_between(sole.left.R.col(2), sole.right.R.col(2));
+  if (inclined > kLevel)
+    throw InputError(
+        fmt::format("{}: with its joints as they are, one sole is inclined by {:.3f} rad against the other: "
+                    "must be at most {}; let it stand on both soles",
+                    robot.profile().name, inclined, kLevel));
+  const double higher = std::abs(up.dot(sole.left.p - sole.right.p));
+  if (higher > kSame * height)
+    throw InputError(
+        fmt::format("{}: with its joints as they are, one sole is {:.4f} m above the other: must be at most "
+                    "{:.4f} m; let it stand on both soles",
+                    robot.profile().name, higher, kSame * height));
+  // The frame in the middle of the soles, its z along their normals, goes to the start.
+  const Vec3 ahead = sole.left.R.col(0) + sole.right.R.col(0);
+  Pose middle;
+  middle.p = 0.5 * (sole.left.p + sole.right.p);
+  middle.R.col(2) = up;
+  middle.R.col(1) = up.cross(ahead).normalized();
+  middle.R.col(0) = middle.R.col(1).cross(up);
+  set_root(whole, start * middle.inverse());
+  Posture posture = posture_of(robot, whole);
+  const ConvexPolygon support =
+      support_polygon(robot, posture.sole, posture.contact, posture.com, support_plane(posture.sole, posture.contact));
+  if (support.margin(posture.com.head<2>()) < robot.profile().margin.zmp_feedback)
+    throw InputError(fmt::format("{}: with its joints as they are, its COM is not above its soles: it would tip over",
+                                 robot.profile().name));
+  return posture;
+}
+
+}  // namespace baton::link

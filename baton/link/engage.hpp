@@ -1,0 +1,20 @@
+/// Where a run begins with a robot that stands somewhere, its joints as they are.
+#pragma once
+
+#include "baton/model/robot_model.hpp"
+#include "baton/motion/posture.hpp"
+
+namespace baton::link {
+
+/// Whether every joint is near the stance of the robot's profile.
+/// @param q joint angles (n) [rad]
+[[nodiscard]] bool in_stance(const RobotModel& robot, const VecX& q);
+
+/// Posture at rest of a robot that stands on both soles: in the stance of its profile if every joint is near it, else
+/// with the joints as they were measured.
+/// @param start the middle of the soles, on the ground
+/// @param q measured joint angles (n) [rad]
+/// @throws InputError the soles would not stand flat on the same ground, or the COM is not above them
+[[nodiscard]] Posture engage(const RobotModel& robot, const Pose& start, const VecX& q);
+
+}  // namespace baton::link
