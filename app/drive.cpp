@@ -19,6 +19,7 @@
 #include "baton/link/engage.hpp"
 #include "baton/link/remote_robot.hpp"
 #include "baton/model/error.hpp"
+#include "baton/record/json.hpp"
 #include "baton/run/planning_thread.hpp"
 
 namespace baton::app {
@@ -134,6 +135,7 @@ int drive(const DriveOptions& o) {
   }
   Simulation& simulation = *given;
   Session& session = simulation.session();
+  bool engaging = remote != nullptr && !link::in_stance(robot, parameters.start->q.tail(robot.nv() - 6));
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
   read.push_back({"--calibration", o.calibration});
@@ -146,16 +148,17 @@ int drive(const DriveOptions& o) {
   Outputs outputs(simulation, o.files.report, o.files.trace, o.files.save_model);
 
   if (o.files.record) {
-    outputs.record(session, *o.files.record,
-                   {{"robot", o.robot},
-                    {"world", o.world},
-                    {"on", on},
-                    {"seed", o.seed},
-                    {"duration", o.modes.duration},
-                    {"gait", o.modes.gait},
-                    {"on_limit", o.modes.on_limit},
-                    {"state", o.physics.state},
-                    {"drive", std::string(to_string(robot.profile().drive))}});
+    nlohmann::json head = {{"robot", o.robot},
+                           {"world", o.world},
+                           {"on", on},
+                           {"seed", o.seed},
+                           {"duration", o.modes.duration},
+                           {"gait", o.modes.gait},
+                           {"on_limit", o.modes.on_limit},
+                           {"state", o.physics.state},
+                           {"drive", std::string(to_string(robot.profile().drive))}};
+    if (engaging) head["start"] = vector_json(parameters.start->q);
+    outputs.record(session, *o.files.record, head);
   }
 
   std::optional<View> view;
@@ -175,7 +178,6 @@ int drive(const DriveOptions& o) {
   const Clock::time_point start = Clock::now();
   double began = 0.0;
   bool stopping = false;
-  bool engaging = remote != nullptr && !link::in_stance(robot, parameters.start->q.tail(robot.nv() - 6));
   if (engaging) spdlog::info("takes its stance first");
   int rested = 0;  ///< ticks
   bool stuck = false;

@@ -9,6 +9,7 @@
 #include "app/inputs.hpp"
 #include "app/options.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/model/error.hpp"
 #include "baton/record/recording.hpp"
 #include "baton/run/session.hpp"
 
@@ -23,6 +24,15 @@ bool same_bits(const VecX& a, const VecX& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
 }
 
+/// @throws InputError it is one of another robot
+Posture start_of(const RecordingHead& head, const std::string& place, const RobotModel& robot, const World& world) {
+  if (head.start.empty()) return stand(robot, world.site("start"), robot.profile().stance.com_height);
+  if (head.start.size() != static_cast<std::size_t>(robot.nq()))
+    throw InputError(
+        fmt::format("{}: start has {} members: must be a list of {} numbers", place, head.start.size(), robot.nq()));
+  return posture_of(robot, Eigen::Map<const VecX>(head.start.data(), robot.nq()));
+}
+
 }  // namespace
 
 int replay(const ReplayOptions& o) {
@@ -31,7 +41,7 @@ int replay(const ReplayOptions& o) {
   const RobotModel robot = named_in(recording.place(), [&] { return load_robot(head.robot, head.drive); });
   const World world = named_in(recording.place(), [&] { return World::load(head.world); });
   const Modes modes = modes_of({head.duration, head.gait, head.on_limit});
-  Navigator navigator(robot, world, stand(robot, world.site("start"), robot.profile().stance.com_height), modes.gait,
+  Navigator navigator(robot, world, start_of(head, recording.place(), robot, world), modes.gait,
                       state_named(head.state));
   Strategy strategy(robot, world, modes);
   std::optional<Answer> answer;

@@ -176,7 +176,11 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
            read.at("gait").one_of({"stop", "flow"}),
            read.at("on_limit").one_of({"discard", "shrink"}),
            read.at("state").one_of({"sensors", "torques", "perfect"}),
-           read.at("drive").one_of({"torque", "pd", "stiff"})};
+           read.at("drive").one_of({"torque", "pd", "stiff"}),
+           {}};
+  if (!read.has("start")) return;
+  for (const JsonReader& value : read.at("start").list())
+    head_.start.push_back(value.number());
 }
 
 std::string RecordingReader::place() const {

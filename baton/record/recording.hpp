@@ -66,6 +66,7 @@ struct RecordingHead {
   std::string on_limit;
   std::string state;
   std::string drive;
+  std::vector<double> start;  ///< configuration (nq) in which the run began; empty: the stance, at the world's start
 };
 
 class RecordingReader {
