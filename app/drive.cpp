@@ -116,7 +116,7 @@ int drive(const DriveOptions& o) {
     throw InputError("--input page needs the page: leave out --headless and --fast");
   const double period = robot.profile().tick.period;
   std::unique_ptr<link::RemoteRobot> connected = remote_robot(o, robot, world);
-  const link::RemoteRobot* remote = connected.get();
+  link::RemoteRobot* const remote = connected.get();
   const std::string on = remote != nullptr ? remote->welcome().on : o.on;
   // A robot that waits for its targets waits for the planner, too.
   const bool waits = remote != nullptr ? remote->welcome().lock_step : o.fast;
@@ -127,7 +127,9 @@ int drive(const DriveOptions& o) {
                                     .calibration = calibration_in(o.calibration, robot, on)};
   std::optional<Simulation> given;
   if (remote != nullptr) {
-    parameters.start = named_in(o.on, [&] { return link::engage(robot, world.site("start"), connected->read().q); });
+    const Measurement seen =
+        parameters.calibration ? without_errors(remote->read(), *parameters.calibration) : remote->read();
+    parameters.start = named_in(o.on, [&] { return link::engage(robot, world.site("start"), seen.q); });
     given.emplace(robot, world, std::move(connected), parameters);
   } else {
     parameters.physics = parameters_of(o.physics, robot, o.on, o.seed);
@@ -173,6 +175,7 @@ int drive(const DriveOptions& o) {
     std::fflush(stdout);
   }
 
+  if (remote != nullptr) remote->catch_up();  // time has passed while all was prepared
   Durations used, interval;
   long late = 0;
   const Clock::time_point start = Clock::now();
@@ -213,7 +216,7 @@ int drive(const DriveOptions& o) {
     if (remote != nullptr) {
       warn_of_rejections(*remote, rejected);
       if (remote->damped()) broken = fmt::format("the robot was damped: {}", remote->damped_because());
-      if (remote->rejected_in_a_row() * period > kNotFollowing)
+      if (remote->not_followed_for() > kNotFollowing)
         broken = fmt::format("the robot follows no longer: {}", remote->rejection());
       if (!broken.empty()) {
         broken = o.on + ": " + broken;

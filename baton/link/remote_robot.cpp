@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "baton/model/error.hpp"
 
@@ -106,40 +107,64 @@ void RemoteRobot::write(const JointTarget& target) {
 }
 
 void RemoteRobot::await_reading(Socket::Time limit) {
-  const Eigen::Index joints = model_->nv() - 6;
-  const long before = rejected_;
   const auto until = std::chrono::steady_clock::now() + limit;
   while (true) {
     const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
     if (left.count() <= 0) throw LinkError(fmt::format("no measurement for {} ms", limit.count()));
-    const Message message = receive(left);
-    switch (message.type) {
-      case Type::truth:
-        truth_ = decode_truth(message.body, joints);
-        break;
-      case Type::rejected:
-        ++rejected_;
-        rejection_ = decode_text(message.body);
-        break;
-      case Type::damp:
-        damped_because_ = decode_text(message.body);
-        break;
-      case Type::bye:
-        throw LinkError("the robot has ended the connection");
-      case Type::measurement:
-        reading_ = decode_reading(message.body, joints);
-        if (expected_ > 0 && reading_.measurement.root.has_value() != perfect_)
-          throw LinkError("a measurement with a root, and one without");
-        perfect_ = reading_.measurement.root.has_value();
-        if (reading_.sequence != expected_)
-          throw LinkError(fmt::format("measurement {} in place of {}", reading_.sequence, expected_));
-        ++expected_;
-        in_a_row_ = rejected_ > before ? in_a_row_ + rejected_ - before : 0;
-        return;
-      default:
-        complain_of(message.type, "a measurement");
-    }
+    if (take(receive(left))) return;
   }
+}
+
+void RemoteRobot::catch_up() {
+  try {
+    while (socket_.receive(stream_.bytes(), Socket::Time(0))) {
+    }
+    while (const std::optional<Message> message = stream_.next())
+      static_cast<void>(take(*message));
+  } catch (const LinkError& error) {
+    throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
+  }
+}
+
+bool RemoteRobot::take(const Message& message) {
+  const Eigen::Index joints = model_->nv() - 6;
+  switch (message.type) {
+    case Type::refusal:
+      complain(message);
+    case Type::truth:
+      truth_ = decode_truth(message.body, joints);
+      return false;
+    case Type::rejected:
+      if (in_a_row_++ == 0) rejecting_since_ = std::chrono::steady_clock::now();
+      ++rejected_;
+      rejection_ = decode_text(message.body);
+      rejected_now_ = true;
+      return false;
+    case Type::damp:
+      damped_because_ = decode_text(message.body);
+      return false;
+    case Type::bye:
+      throw LinkError("the robot has ended the connection");
+    case Type::measurement:
+      break;
+    default:
+      complain_of(message.type, "a measurement");
+  }
+  reading_ = decode_reading(message.body, joints);
+  if (expected_ > 0 && reading_.measurement.root.has_value() != perfect_)
+    throw LinkError("a measurement with a root, and one without");
+  perfect_ = reading_.measurement.root.has_value();
+  if (reading_.sequence != expected_)
+    throw LinkError(fmt::format("measurement {} in place of {}", reading_.sequence, expected_));
+  ++expected_;
+  if (!std::exchange(rejected_now_, false)) in_a_row_ = 0;
+  return true;
+}
+
+double RemoteRobot::not_followed_for() const {
+  if (in_a_row_ == 0) return 0.0;
+  if (welcome_.lock_step) return static_cast<double>(in_a_row_) * welcome_.period;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - rejecting_since_).count();
 }
 
 void damp(const Address& address, const std::string& token) {

@@ -35,21 +35,27 @@ class RemoteRobot : public Robot {
   /// Null if the robot does not send it.
   [[nodiscard]] const Truth* truth() const override { return truth_ ? &*truth_ : nullptr; }
 
+  /// In real time, goes on to the newest measurement that has come, if there is one: call it before a run begins.
+  /// @throws LinkError as `write`
+  void catch_up();
+
   [[nodiscard]] const Welcome& welcome() const { return welcome_; }
   /// Whether the robot's motors only brake, and follow nothing.
   [[nodiscard]] bool damped() const { return reading_.damped; }
   /// Why, as far as the robot has said so.
   [[nodiscard]] const std::string& damped_because() const { return damped_because_; }
-  /// Targets that the robot has rejected, of these the latest without one in between that was followed, and why the
-  /// last one was.
+  /// Targets that the robot has rejected, and why the last one was.
   [[nodiscard]] long rejected() const { return rejected_; }
-  [[nodiscard]] long rejected_in_a_row() const { return in_a_row_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }
+  /// For how long all targets have been rejected [s].
+  [[nodiscard]] double not_followed_for() const;
 
  private:
   /// @throws LinkError none in time
   [[nodiscard]] Message receive(Socket::Time limit);
   void greet(const std::string& token, const std::string& world);
+  /// @returns whether it is a measurement
+  [[nodiscard]] bool take(const Message& message);
   /// Takes messages up to the next measurement.
   void await_reading(Socket::Time limit);
   void check_joints() const;
@@ -64,7 +70,9 @@ class RemoteRobot : public Robot {
   bool perfect_ = false;        ///< measurements have the root
   std::optional<Truth> truth_;
   long rejected_ = 0;
-  long in_a_row_ = 0;
+  long in_a_row_ = 0;          ///< of these, the latest, with none in between that was followed
+  bool rejected_now_ = false;  ///< since the last measurement
+  std::chrono::steady_clock::time_point rejecting_since_;
   std::string rejection_, damped_because_;
 };
 

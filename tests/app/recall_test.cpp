@@ -233,7 +233,7 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
   int caught = 0;
   for (double t = halts - 0.06; t < halts + 0.2; t += 0.02) {
     Plant plant;
-    plant.pushes = {{t, 0.05, Vec3(1.4, 0, 0)}};
+    plant.pushes = {{t, 0.05, Vec3(1.5, 0, 0)}};
     caught += walk(plant);
   }
   EXPECT_GT(caught, 2);
@@ -255,7 +255,7 @@ TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
     return scratch.json("r.json")["final"]["com"][0].get<double>();
   };
   const double there = x("14");
-  EXPECT_GT(there, 0.6);
+  EXPECT_GT(there, 0.5) << "beyond the steps";
   EXPECT_LT(x("34"), 0.35) << "back at the steps";
   EXPECT_GE(scratch.json("r.json")["segments"]["shrunk"].value("ground", 0), 1) << "and it says why no farther";
 }

@@ -244,6 +244,24 @@ TEST_P(RobotServerTest, InRealTimeTheRunIsTheSameIfEachAnswerComesInTime) {
   EXPECT_EQ(served.log(), "a driver has taken over\n");
 }
 
+TEST_P(RobotServerTest, InRealTimeADriverBeginsWithWhatIsMeasuredThen) {
+  const double period = robot_.profile().tick.period;
+  Served served(robot_, {}, "", Served::Pace::by_answers);
+  auto connected = std::make_unique<RemoteRobot>(robot_, "flat", RemoteRobot::Parameters{served.address(), ""});
+  RemoteRobot* const remote = connected.get();
+  Simulation simulation(robot_, served.world(), std::move(connected), Simulation::Parameters{});
+  for (int k = 0; k < 5; ++k)
+    served.pass(15);  // while the driver prepares
+  EXPECT_EQ(remote->read().t, 0.0);
+  remote->catch_up();
+  EXPECT_NEAR(remote->read().t, 75 * period, 1e-9);
+  for (int tick = 0; tick < 100; ++tick)
+    simulation.session().step(Command{});
+  EXPECT_EQ(remote->rejected(), 0);
+  EXPECT_NEAR(remote->read().t, 175 * period, 1e-9);
+  EXPECT_NEAR(simulation.truth().q[2], robot_.profile().stance.com_height, 0.5 * robot_.profile().stance.com_height);
+}
+
 TEST_P(RobotServerTest, InRealTimeItGoesOnWithoutAnAnswerAndFollowsNoneThatIsTooOldOrComesTwice) {
   Served served(robot_, {}, "", Served::Pace::by_test);
   Raw raw(served.address());

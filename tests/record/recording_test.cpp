@@ -114,7 +114,7 @@ TEST_F(Recording, AValueThatIsNotAmongTheAllowedOnesIsNamedWithThem) {
     std::string allowed;
   };
   for (const Case& c :
-       {Case{0, "/baton_recording", "must be 2"}, Case{0, "/on", "sim or ideal"},
+       {Case{0, "/baton_recording", "must be 2"}, Case{0, "/on", "sim, ideal or real"},
         Case{0, "/duration", "paper or search"}, Case{0, "/gait", "stop or flow"},
         Case{0, "/on_limit", "discard or shrink"}, Case{0, "/state", "sensors, torques or perfect"},
         Case{0, "/drive", "torque, pd or stiff"}, Case{0, "/robot", "a text"}, Case{0, "/world", "a text"},
