@@ -15,7 +15,6 @@
 #include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "app/view.hpp"
-#include "baton/ik/stand.hpp"
 #include "baton/link/engage.hpp"
 #include "baton/link/remote_robot.hpp"
 #include "baton/model/error.hpp"
