@@ -51,10 +51,10 @@ void check_times(const Scenario& scenario, double times) {
 }
 
 void check_physics(const PhysicsOptions& options, const std::string& on) {
+  if (is_address(on) && options.times != 1.0)
+    throw InputError(
+        fmt::format("--times {} with --on {}: must be given at the robot's end, to baton robot", options.times, on));
   for (const auto& [option, value] : {std::pair("--scenario", options.scenario), std::pair("--plant", options.plant)}) {
-    if (is_address(on) && options.times != 1.0)
-      throw InputError(
-          fmt::format("--times {} with --on {}: must be given at the robot's end, to baton robot", options.times, on));
     if (value && is_address(on))
       throw InputError(
           fmt::format("{} {} with --on {}: must be given at the robot's end, to baton robot", option, *value, on));

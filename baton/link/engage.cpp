@@ -15,10 +15,6 @@ constexpr double kNear = 0.15;   ///< largest difference of a joint from the sta
 constexpr double kLevel = 0.06;  ///< inclination of a sole against the other that zero errors may explain [rad]
 constexpr double kSame = 0.02;   ///< difference of their heights [COM height]
 
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 }  // namespace
 
 bool in_stance(const RobotModel& robot, const VecX& q) {
@@ -34,7 +30,7 @@ Posture engage(const RobotModel& robot, const Pose& start, const VecX& q) {
   whole.tail(q.size()) = q;
   const BySide<Pose> sole = posture_of(robot, whole).sole;
   const Vec3 up = (sole.left.R.col(2) + sole.right.R.col(2)).normalized();
-  const double inclined = angle_between(sole.left.R.col(2), sole.right.R.col(2));
+  const double inclined = tilt_of(sole.left.R.transpose() * sole.right.R);
   if (inclined > kLevel)
     throw InputError(
         fmt::format("{}: with its joints as they are, one sole is inclined by {:.3f} rad against the other: "

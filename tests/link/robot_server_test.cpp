@@ -188,6 +188,12 @@ class RobotServerTest : public testing::TestWithParam<std::string> {
     EXPECT_EQ(message.type, Type::measurement);
     return decode_reading(message.body, n_);
   }
+  /// Says what a driver says up to the first measurement.
+  void start(Raw& raw) const {
+    raw.send(Type::hello, hello());
+    EXPECT_EQ(raw.answer().type, Type::welcome);
+    raw.send(Type::start, encode(start_of(robot_)));
+  }
   [[nodiscard]] Simulation remote(Served& served, const std::string& token = "") const {
     return {robot_, served.world(),
             std::make_unique<RemoteRobot>(robot_, "flat", RemoteRobot::Parameters{served.address(), token}),
@@ -312,9 +318,7 @@ TEST_P(RobotServerTest, InRealTimeADampedRobotSinksThoughItsDriverIsGone) {
   Served served(robot_, {}, "", Served::Pace::by_test);
   {
     Raw raw(served.address());
-    raw.send(Type::hello, hello());
-    EXPECT_EQ(raw.answer().type, Type::welcome);
-    raw.send(Type::start, encode(start_of(robot_)));
+    start(raw);
     EXPECT_EQ(raw.answer().type, Type::measurement);
   }
   while (served.log().find("lost") == std::string::npos) {
@@ -337,9 +341,7 @@ TEST_P(RobotServerTest, WhoeverDrivesNextBeginsAnewHoweverTheLastOneLeft) {
     const auto ticks = static_cast<std::size_t>(1 + random() % 60);
     if (run % 3 == 2) {  // cut in the middle of a message
       Raw raw(served.address());
-      raw.send(Type::hello, hello());
-      EXPECT_EQ(raw.answer().type, Type::welcome);
-      raw.send(Type::start, encode(start_of(robot_)));
+      start(raw);
       EXPECT_EQ(raw.answer().type, Type::measurement);
       raw.send(framed(Type::target, std::string(100, 'x')).substr(0, random() % 100));
       continue;
@@ -417,9 +419,7 @@ TEST_P(RobotServerTest, ServosOfOtherGainsAreRefused) {
 TEST_P(RobotServerTest, ATargetThatJumpsOrComesOutOfOrderMovesNothing) {
   Served served(robot_);
   Raw raw(served.address());
-  raw.send(Type::hello, hello());
-  EXPECT_EQ(raw.answer().type, Type::welcome);
-  raw.send(Type::start, encode(start_of(robot_)));
+  start(raw);
   const Reading first = reading(raw.answer());
   EXPECT_EQ(first.sequence, 0U);
   const VecX zero = VecX::Zero(n_);
@@ -522,9 +522,7 @@ TEST_P(RobotServerTest, ConnectionsThatSayNothingKeepNobodyAway) {
 TEST_P(RobotServerTest, ADriverThatFloodsItWithTargetsKeepsNobodyFromDamping) {
   Served served(robot_);
   Raw raw(served.address());
-  raw.send(Type::hello, hello());
-  EXPECT_EQ(raw.answer().type, Type::welcome);
-  raw.send(Type::start, encode(start_of(robot_)));
+  start(raw);
   const Reading first = reading(raw.answer());
   const VecX zero = VecX::Zero(n_);
   std::string flood;
