@@ -34,6 +34,16 @@ Message receive_from(Socket& socket, Stream& stream, Socket::Time limit) {
 
 }  // namespace
 
+Start start_of(const RobotModel& robot) {
+  Start start{std::string(to_string(robot.profile().drive)), VecX(robot.nv() - 6), VecX(robot.nv() - 6)};
+  for (Eigen::Index i = 0; i < start.kp.size(); ++i) {
+    const Profile::Gains& gains = robot.joints()[static_cast<std::size_t>(i)].gains;
+    start.kp[i] = gains.kp;
+    start.kd[i] = gains.kd;
+  }
+  return start;
+}
+
 RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, const Parameters& parameters)
     : model_(&model), parameters_(parameters), socket_(Socket::connect(parameters.address, parameters.connecting)) {
   try {
@@ -69,13 +79,7 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
   if (!welcome_.world.empty() && welcome_.world != world)
     throw InputError(
         fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(), welcome_.world));
-  Start start{std::string(to_string(model_->profile().drive)), VecX(model_->nv() - 6), VecX(model_->nv() - 6)};
-  for (Eigen::Index i = 0; i < start.kp.size(); ++i) {
-    const Profile::Gains& gains = model_->joints()[static_cast<std::size_t>(i)].gains;
-    start.kp[i] = gains.kp;
-    start.kd[i] = gains.kd;
-  }
-  socket_.send(framed(Type::start, encode(start)), kSending);
+  socket_.send(framed(Type::start, encode(start_of(*model_))), kSending);
 }
 
 void RemoteRobot::check_joints() const {

@@ -9,6 +9,9 @@
 
 namespace baton::link {
 
+/// The servos that the driver of a robot counts on: those of its profile.
+[[nodiscard]] Start start_of(const RobotModel& robot);
+
 class RemoteRobot : public Robot {
  public:
   struct Parameters {

@@ -153,16 +153,6 @@ std::string hello(int version = kVersion, const std::string& token = "") {
   return encode(Hello{version, token, Hello::Role::drive});
 }
 
-Start start_of(const RobotModel& model) {
-  Start start{std::string(to_string(model.profile().drive)), VecX(model.nv() - 6), VecX(model.nv() - 6)};
-  for (Eigen::Index i = 0; i < start.kp.size(); ++i) {
-    const Profile::Gains& gains = model.joints()[static_cast<std::size_t>(i)].gains;
-    start.kp[i] = gains.kp;
-    start.kd[i] = gains.kd;
-  }
-  return start;
-}
-
 std::string refused(const Message& message) {
   if (message.type != Type::refusal) return "";
   const Refusal refusal = decode_refusal(message.body);
