@@ -140,7 +140,10 @@ void add_robot(CLI::App& command, RobotOptions& o) {
   command.add_option("--seed", o.seed, "Seed of plant and scenario")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
-  command.add_flag("--real-time", o.real_time, "Go on by the clock, as a real robot; else wait for each target");
+  command.add_flag("--real-time", o.real_time, "Go on by the clock, as a real robot; else wait for each command");
+  command.add_flag(
+      "--targets", o.targets,
+      "Be a bare robot that follows targets for its joints; else it keeps its balance and plans by itself");
   command
       .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();

@@ -82,7 +82,8 @@ struct RobotOptions {
   std::string world = "room";
   PhysicsOptions physics;
   long seed = 0;
-  bool real_time = false;  ///< goes on by the clock; else waits for each target
+  bool real_time = false;  ///< goes on by the clock; else waits for each command or target
+  bool targets = false;    ///< follows targets for the joints, without a navigator of its own
   std::string listen = "127.0.0.1:7447";
   std::optional<std::filesystem::path> token;  ///< file that holds what drivers must know
 };

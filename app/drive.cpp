@@ -14,12 +14,10 @@
 #include "app/inputs.hpp"
 #include "app/options.hpp"
 #include "app/outputs.hpp"
+#include "app/remote_end.hpp"
 #include "app/view.hpp"
-#include "baton/link/engage.hpp"
-#include "baton/link/remote_robot.hpp"
 #include "baton/model/error.hpp"
 #include "baton/record/json.hpp"
-#include "baton/run/planning_thread.hpp"
 
 namespace baton::app {
 namespace {
@@ -27,9 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
-constexpr double kSettled = 0.5;  ///< time of rest after which a robot has taken its stance, or cannot [s]
 const Command kHome{.recall = Recall::home};
-constexpr double kNotFollowing = 0.1;       ///< time of rejected targets after which a run ends [s]
 constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
@@ -55,55 +51,6 @@ void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, c
   }
 }
 
-/// @throws InputError the robot does not measure what the state is estimated from
-void check_sensors(const Measurement& measured, StateSource source, const std::string& on) {
-  const auto because = [&](const char* lacks, const char* must) {
-    throw InputError(
-        fmt::format("--state {}: the robot at {} measures no {}: must be {}", to_string(source), on, lacks, must));
-  };
-  const auto feels = [&](Side side) { return !measured.sole[side].force.array().isNaN().all(); };
-  if (source == StateSource::sensors && !feels(Side::left) && !feels(Side::right))
-    because("forces on its soles", "--state torques");
-  if (source == StateSource::torques && measured.torque.size() == 0) because("motor torques", "--state sensors");
-  if (source == StateSource::perfect && !measured.root) because("pose of its root", "--state sensors or torques");
-}
-
-/// The robot at the other end of `--on`, if it is an address.
-/// @throws InputError options that only the robot's own end has; it is another robot, or stands elsewhere
-std::unique_ptr<link::RemoteRobot> remote_robot(const DriveOptions& o, const RobotModel& robot, const World& world) {
-  if (!is_address(o.on)) {
-    if (o.token) throw InputError(fmt::format("--token {} goes with --on tcp://HOST:PORT", o.token->string()));
-    return nullptr;
-  }
-  check_physics(o.physics, o.on);
-  auto remote = std::make_unique<link::RemoteRobot>(
-      robot, world.name(), link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token)});
-  check_sensors(remote->read(), state_named(o.physics.state), o.on);
-  return remote;
-}
-
-/// Says whether the robot has come to its stance.
-void say_engaged(const Session& session, const Refusals& refusals) {
-  if (link::in_stance(session.model(), session.navigator().state().q.tail(session.model().nv() - 6))) {
-    spdlog::info("in its stance");
-  } else {
-    spdlog::warn("does not find to its stance{}: guide it from where it is", refusals.count() > 0 ? ", refused" : "");
-  }
-}
-
-/// Warns of targets that the robot has rejected since the last call.
-void warn_of_rejections(const link::RemoteRobot& robot, long& told) {
-  if (robot.rejected() == told) return;
-  if (told == 0) spdlog::warn("the robot has rejected a target: {}", robot.rejection());
-  told = robot.rejected();
-}
-
-/// @param live plan asynchronously, dropping late answers; else synchronously
-std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world, Modes modes, bool live) {
-  if (live) return std::make_unique<PlanningThread>(robot, world, modes);
-  return std::make_unique<DirectPlanning>(robot, world, modes);
-}
-
 }  // namespace
 
 int drive(const DriveOptions& o) {
@@ -114,29 +61,30 @@ int drive(const DriveOptions& o) {
   if (o.input == "page" && (o.headless || o.fast))
     throw InputError("--input page needs the page: leave out --headless and --fast");
   const double period = robot.profile().tick.period;
-  std::unique_ptr<link::RemoteRobot> connected = remote_robot(o, robot, world);
-  link::RemoteRobot* const remote = connected.get();
-  const std::string on = remote != nullptr ? remote->welcome().on : o.on;
+  if (o.token && !is_address(o.on))
+    throw InputError(fmt::format("--token {} goes with --on tcp://HOST:PORT", o.token->string()));
+  std::optional<RemoteEnd> remote;
+  if (is_address(o.on)) remote.emplace(o, robot, world);
+  const std::string on = remote ? remote->welcome().on : o.on;
   // A robot that waits for its targets waits for the planner, too.
-  const bool waits = remote != nullptr ? remote->welcome().lock_step : o.fast;
-  const bool paced = !o.fast && (remote == nullptr || waits);  // by our clock
-  const std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !waits);
+  const bool waits = remote ? remote->welcome().lock_step : o.fast;
+  const bool paced = !o.fast && (!remote || waits);  // by our clock
+  std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !waits);
+  if (remote) planner = remote->planning(std::move(planner));
   FaultyPlanning planning(*planner, faults_of(o.answers), period, static_cast<std::uint64_t>(o.seed));
   Simulation::Parameters parameters{.session = {modes_of(o.modes), state_named(o.physics.state), &planning},
                                     .calibration = calibration_in(o.calibration, robot, on)};
   std::optional<Simulation> given;
-  if (remote != nullptr) {
-    const Measurement seen =
-        parameters.calibration ? without_errors(remote->read(), *parameters.calibration) : remote->read();
-    parameters.start = named_in(o.on, [&] { return link::engage(robot, world.site("start"), seen.q); });
-    given.emplace(robot, world, std::move(connected), parameters);
+  if (remote) {
+    parameters.start = remote->start(world, parameters.calibration);
+    given.emplace(robot, world, remote->robot(), parameters);
   } else {
     parameters.physics = parameters_of(o.physics, robot, o.on, o.seed);
     given.emplace(robot, world, on_named(o.on), parameters);
   }
   Simulation& simulation = *given;
   Session& session = simulation.session();
-  bool engaging = remote != nullptr && !link::in_stance(robot, parameters.start->q.tail(robot.nv() - 6));
+  const auto engaging = [&] { return remote && remote->engaging(); };
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
   read.push_back({"--calibration", o.calibration});
@@ -158,7 +106,7 @@ int drive(const DriveOptions& o) {
                            {"on_limit", o.modes.on_limit},
                            {"state", o.physics.state},
                            {"drive", std::string(to_string(robot.profile().drive))}};
-    if (engaging) head["start"] = vector_json(parameters.start->q);
+    if (engaging()) head["start"] = vector_json(parameters.start->q);
     outputs.record(session, *o.files.record, head);
   }
 
@@ -174,17 +122,19 @@ int drive(const DriveOptions& o) {
     std::fflush(stdout);
   }
 
-  if (remote != nullptr) remote->catch_up();  // time has passed while all was prepared
+  if (remote) remote->catch_up();  // time has passed while all was prepared
   Durations used, interval;
   long late = 0;
   const Clock::time_point start = Clock::now();
   double began = 0.0;
   bool stopping = false;
-  if (engaging) spdlog::info("takes its stance first");
-  int rested = 0;  ///< ticks
   bool stuck = false;
-  long rejected = 0;   ///< targets
-  std::string broken;  ///< why the robot follows no longer; "": it does
+  /// @returns whether the robot still follows
+  const auto step = [&](const Command& command) {
+    if (remote) return remote->step(session, command);
+    session.step(command);
+    return true;
+  };
   Refusals refusals;
   while (!o.seconds || session.t() < *o.seconds - 0.5 * period) {
     if (interrupted && !stopping) {
@@ -197,41 +147,13 @@ int drive(const DriveOptions& o) {
       if (session.t() > 0.0) interval.add(1e6 * (now - began));
       began = now;
     }
-    try {
-      if (stopping) {
-        session.step(Command{});
-      } else if (engaging) {
-        session.step(kHome);
-        rested = session.resting() ? rested + 1 : 0;
-        engaging = rested * period < kSettled;
-        if (!engaging) say_engaged(session, refusals);
-      } else {
-        session.step(inputs);
-      }
-    } catch (const LinkError& error) {
-      broken = error.what();
-      break;
-    }
-    if (remote != nullptr) {
-      warn_of_rejections(*remote, rejected);
-      if (remote->damped()) broken = fmt::format("the robot was damped: {}", remote->damped_because());
-      if (remote->not_followed_for() > kNotFollowing)
-        broken = fmt::format("the robot follows no longer: {}", remote->rejection());
-      if (!broken.empty()) {
-        broken = o.on + ": " + broken;
-        break;
-      }
-    }
+    if (!step(stopping ? Command{} : engaging() ? kHome : inputs.decide(session.view()))) break;
     refusals.look(session.navigator());
     if (view) view->show(simulation, inputs.status(), refusals);
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
-      try {
-        session.step(Command{});  // the fall is seen in the last row
-      } catch (const LinkError& error) {
-        spdlog::warn("{}", error.what());
-      }
+      if (!step(Command{})) spdlog::warn("{}", remote->broken());  // the fall is seen in the last row
       break;
     }
     if (paced) {
@@ -253,7 +175,8 @@ int drive(const DriveOptions& o) {
             {"dropped", session.navigator().dropped()}};
   }
   nlohmann::json extra = {{"loop", std::move(loop)}};
-  if (remote != nullptr) extra["link"] = {{"address", o.on}, {"rejected", remote->rejected()}, {"broken", broken}};
+  if (remote) extra["link"] = remote->json();
+  const std::string broken = remote ? remote->broken() : "";
   const auto finish = [&] {
     const nlohmann::json summary = outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
     const auto number = [](const nlohmann::json& value, const char* format) {  // unknown without truth

@@ -8,6 +8,7 @@
 
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
+#include "baton/run/planning_thread.hpp"
 
 namespace baton::app {
 namespace {
@@ -19,6 +20,11 @@ constexpr std::size_t kLongestToken = 1000;
 Modes modes_of(const ModeOptions& o) {
   return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
           o.on_limit == "discard" ? OnLimit::discard : OnLimit::shrink, o.gait == "flow" ? Gait::flow : Gait::stop};
+}
+
+std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world, Modes modes, bool live) {
+  if (live) return std::make_unique<PlanningThread>(robot, world, modes);
+  return std::make_unique<DirectPlanning>(robot, world, modes);
 }
 
 RobotModel load_robot(const std::string& name_or_file, const std::optional<std::string>& drive) {

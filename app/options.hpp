@@ -57,6 +57,9 @@ void check_physics(const PhysicsOptions& options, const std::string& on);
 /// Answer faults from options.
 [[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options);
 
+/// @param live plan asynchronously, dropping late answers; else synchronously
+[[nodiscard]] std::unique_ptr<Planning> planner_of(const RobotModel& robot, const World& world, Modes modes, bool live);
+
 /// Source of the state estimate.
 /// @throws InputError no such source
 [[nodiscard]] StateSource state_named(const std::string& name);

@@ -72,6 +72,8 @@ int robot(const RobotOptions& o) {
                             .on = "sim",
                             .world = world.name(),
                             .real_time = o.real_time,
+                            .navigates_in = o.targets ? nullptr : &world,
+                            .planning = [&](Modes modes) { return planner_of(model, world, modes, o.real_time); },
                             .log = [](const std::string& text) { spdlog::info("{}", text); }});
   fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", model.profile().name,
              world.name(), server.address().text());

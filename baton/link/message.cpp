@@ -81,6 +81,12 @@ class Reader {
     const Vec3 force = vector();
     return {force, vector()};
   }
+  /// A byte that counts something.
+  std::uint8_t below(std::uint8_t end, const char* what) {
+    const auto value = number<std::uint8_t>();
+    if (value >= end) throw Malformed(fmt::format("{} {} in a {}: must be below {}", what, value, what_, end));
+    return value;
+  }
   [[nodiscard]] std::size_t left() const { return body_->size() - at_; }
   std::string rest() { return body_->substr(std::exchange(at_, body_->size())); }
   void end() const {
@@ -127,6 +133,35 @@ int version_in(const JsonReader& reader) {
   return static_cast<int>(reader.at("baton").integer(0, std::numeric_limits<int>::max()));
 }
 
+Manner manner_in(const JsonReader& reader) {
+  const auto is = [&](const char* key, std::initializer_list<std::string_view> known, std::string_view value) {
+    return reader.has(key) && reader.at(key).one_of(known) == value;
+  };
+  Manner manner;
+  if (is("duration", {"paper", "search"}, "search")) manner.modes.duration = DurationRule::search;
+  if (is("gait", {"flow", "stop"}, "stop")) manner.modes.gait = Gait::stop;
+  if (is("on_limit", {"shrink", "discard"}, "discard")) manner.modes.on_limit = OnLimit::discard;
+  for (const StateSource source : {StateSource::torques, StateSource::perfect}) {
+    if (is("state", {"sensors", "torques", "perfect"}, to_string(source))) manner.source = source;
+  }
+  return manner;
+}
+
+void write_command(Writer& writer, const Command& command) {
+  writer.number(static_cast<std::uint8_t>(command.guide)).number(static_cast<std::uint8_t>(command.recall));
+  writer.number(command.lift.left).number(command.lift.right).numbers(command.axes);
+}
+
+Command read_command(Reader& reader) {
+  Command command;
+  command.guide = static_cast<Part>(reader.below(kParts.size(), "a guided part"));
+  command.recall = static_cast<Recall>(reader.below(static_cast<std::uint8_t>(Recall::stop) + 1, "a recall"));
+  for (const Side side : kSides)
+    command.lift[side] = reader.number<double>();
+  command.axes = reader.vector(command.axes.size());
+  return command;
+}
+
 void check_size(Eigen::Index size, Eigen::Index wanted) {
   if (size != wanted) throw std::logic_error("the vectors of a message must have the same length");
 }
@@ -146,7 +181,7 @@ std::optional<Message> Stream::next() {
   const auto type = static_cast<std::uint8_t>(bytes_[sizeof length]);
   if (length > kLongest)
     throw Malformed(fmt::format("a message of {} bytes: must be at most {}; is this a baton link?", length, kLongest));
-  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::bye))
+  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::tick))
     throw Malformed(fmt::format("a message of unknown type {}; is this a baton link?", type));
   if (bytes_.size() < kHead + length) return std::nullopt;
   Message message{static_cast<Type>(type), bytes_.substr(kHead, length)};
@@ -167,12 +202,20 @@ std::string encode(const Welcome& welcome) {
                  {"period", welcome.period},
                  {"lock_step", welcome.lock_step},
                  {"on", welcome.on},
-                 {"world", welcome.world}});
+                 {"world", welcome.world},
+                 {"follows", welcome.navigates ? "commands" : "targets"}});
 }
 
 std::string encode(const Start& start) {
   const auto list = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
-  return dumped({{"drive", start.drive}, {"kp", list(start.kp)}, {"kd", list(start.kd)}});
+  const Modes& modes = start.manner.modes;
+  return dumped({{"drive", start.drive},
+                 {"kp", list(start.kp)},
+                 {"kd", list(start.kd)},
+                 {"duration", modes.duration == DurationRule::search ? "search" : "paper"},
+                 {"gait", modes.gait == Gait::stop ? "stop" : "flow"},
+                 {"on_limit", modes.on_limit == OnLimit::discard ? "discard" : "shrink"},
+                 {"state", to_string(start.manner.source)}});
 }
 
 std::string encode(const Refusal& refusal) {
@@ -183,20 +226,50 @@ std::string encode_text(const std::string& text) {
   return dumped({{"text", shortened(text, kLongestText)}});
 }
 
-std::string encode(const Reading& reading) {
+namespace {
+
+void write_reading(Writer& writer, const Reading& reading) {
   const Measurement& m = reading.measurement;
   const Eigen::Index n = m.q.size();
   check_size(m.dq.size(), n);
   const VecX torque =
       m.torque.size() > 0 ? m.torque : VecX(VecX::Constant(n, std::numeric_limits<double>::quiet_NaN()));
   check_size(torque.size(), n);
-  Writer writer;
   writer.number(reading.sequence).number<std::uint32_t>(reading.damped ? kDamped : 0).number<std::uint32_t>(0);
   writer.number(m.t).number(m.age).number(reading.battery);
   writer.numbers(m.q).numbers(m.dq).numbers(torque);
   writer.rotation(m.imu.attitude).numbers(m.imu.rate).numbers(m.imu.acceleration);
   writer.wrench(m.sole.left).wrench(m.sole.right);
   if (m.root) writer.numbers(m.root->pose.p).rotation(m.root->pose.R).numbers(m.root->velocity).numbers(m.root->rate);
+}
+
+}  // namespace
+
+std::string encode(const Reading& reading) {
+  Writer writer;
+  write_reading(writer, reading);
+  return std::move(writer.bytes_);
+}
+
+std::string encode(const StickPosition& stick) {
+  Writer writer;
+  writer.number(stick.seen);
+  write_command(writer, stick.command);
+  return std::move(writer.bytes_);
+}
+
+std::string encode(const Tick& tick) {
+  if (tick.planning.size() > Tick::kMostPlanning) throw std::logic_error("a tick has at most three planning events");
+  check_size(tick.target.size(), tick.reading.measurement.q.size());
+  Writer writer;
+  write_command(writer, tick.command);
+  writer.number<std::uint8_t>(tick.stale ? 1 : 0);
+  for (std::size_t i = 0; i < Tick::kMostPlanning; ++i) {
+    const auto event = i < tick.planning.size() ? static_cast<std::uint8_t>(tick.planning[i]) + 1 : 0;
+    writer.number(static_cast<std::uint8_t>(event));
+  }
+  writer.numbers(tick.target);
+  write_reading(writer, tick.reading);
   return std::move(writer.bytes_);
 }
 
@@ -241,6 +314,7 @@ Welcome decode_welcome(const std::string& body) {
     welcome.lock_step = reader.at("lock_step").boolean();
     if (reader.has("on")) welcome.on = reader.at("on").one_of({"sim", "ideal", "real"});
     if (reader.has("world")) welcome.world = text_in(reader.at("world"));
+    if (reader.has("follows")) welcome.navigates = reader.at("follows").one_of({"targets", "commands"}) == "commands";
     return welcome;
   });
 }
@@ -248,7 +322,7 @@ Welcome decode_welcome(const std::string& body) {
 Start decode_start(const std::string& body, Eigen::Index joints) {
   return from_json("start", body, [joints](const JsonReader& reader) {
     return Start{reader.at("drive").one_of({"torque", "pd", "stiff"}), reader.at("kp").vector(joints),
-                 reader.at("kd").vector(joints)};
+                 reader.at("kd").vector(joints), manner_in(reader)};
   });
 }
 
@@ -262,8 +336,10 @@ std::string decode_text(const std::string& body) {
   return from_json("text", body, [](const JsonReader& reader) { return text_in(reader.at("text")); });
 }
 
-Reading decode_reading(const std::string& body, Eigen::Index joints) {
-  Reader reader("measurement", body);
+namespace {
+
+/// Takes the rest of the body.
+Reading read_reading(Reader& reader, Eigen::Index joints) {
   Reading reading;
   reading.sequence = reader.number<std::uint64_t>();
   reading.damped = (reader.number<std::uint32_t>() & kDamped) != 0;
@@ -290,6 +366,36 @@ Reading decode_reading(const std::string& body, Eigen::Index joints) {
   }
   reader.end();
   return reading;
+}
+
+}  // namespace
+
+Reading decode_reading(const std::string& body, Eigen::Index joints) {
+  Reader reader("measurement", body);
+  return read_reading(reader, joints);
+}
+
+StickPosition decode_stick(const std::string& body) {
+  Reader reader("command", body);
+  StickPosition stick;
+  stick.seen = reader.number<std::uint64_t>();
+  stick.command = read_command(reader);
+  reader.end();
+  return stick;
+}
+
+Tick decode_tick(const std::string& body, Eigen::Index joints) {
+  Reader reader("tick", body);
+  Tick tick;
+  tick.command = read_command(reader);
+  tick.stale = reader.below(2, "a flag") == 1;
+  for (std::size_t i = 0; i < Tick::kMostPlanning; ++i) {
+    const std::uint8_t event = reader.below(3, "a planning event");
+    if (event > 0) tick.planning.push_back(static_cast<PlanningEvent>(event - 1));
+  }
+  tick.target = reader.vector(joints);
+  tick.reading = read_reading(reader, joints);
+  return tick;
 }
 
 Target decode_target(const std::string& body, Eigen::Index joints) {

@@ -7,8 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "baton/balance/state_source.hpp"
+#include "baton/guide/command.hpp"
 #include "baton/link/socket.hpp"
+#include "baton/plan/modes.hpp"
 #include "baton/robot/robot.hpp"
+#include "baton/run/sink.hpp"
 
 namespace baton::link {
 
@@ -32,6 +36,8 @@ enum class Type : std::uint8_t {
   rejected,
   damp,
   bye,
+  command,
+  tick,
 };
 
 struct Message {
@@ -72,6 +78,13 @@ struct Welcome {
   bool lock_step = true;            ///< each tick waits for its target
   std::string on = "real";          ///< sim, ideal or real
   std::string world;                ///< in which a simulated robot stands; "": unknown
+  bool navigates = false;           ///< follows commands, by a navigator of its own; else targets for the joints
+};
+
+/// How a robot that navigates by itself is to do so.
+struct Manner {
+  Modes modes{};
+  StateSource source = StateSource::sensors;
 };
 
 /// The driver takes over, with the servos as it expects them.
@@ -79,6 +92,7 @@ struct Start {
   std::string drive;
   VecX kp;  ///< [N·m/rad]
   VecX kd;  ///< [N·m·s/rad]
+  Manner manner{};
 };
 
 struct Refusal {
@@ -102,6 +116,23 @@ struct Target {
   VecX tau;                    ///< [N·m]
 };
 
+/// What the stick asks for.
+struct StickPosition {
+  std::uint64_t seen = 0;  ///< number of the ticks that the driver knew of when it asked
+  Command command;
+};
+
+/// What a robot that navigates by itself has done in a tick: all that its navigator's output depends on.
+struct Tick {
+  Reading reading;                      ///< its sequence is the tick's number, from 0
+  Command command;                      ///< that was followed
+  bool stale = false;                   ///< the driver's was too old to be followed
+  std::vector<PlanningEvent> planning;  ///< after the tick, in order; at most `kMostPlanning`
+  VecX target;                          ///< joint angles that the navigator gave out [rad]
+
+  static constexpr std::size_t kMostPlanning = 3;
+};
+
 /// @throws std::logic_error a vector has the wrong length
 [[nodiscard]] std::string encode(const Hello& hello);
 [[nodiscard]] std::string encode(const Welcome& welcome);
@@ -110,6 +141,8 @@ struct Target {
 [[nodiscard]] std::string encode(const Reading& reading);
 [[nodiscard]] std::string encode(const Target& target);
 [[nodiscard]] std::string encode(const Truth& truth);
+[[nodiscard]] std::string encode(const StickPosition& stick);
+[[nodiscard]] std::string encode(const Tick& tick);
 /// Why the robot was damped, or a target rejected.
 [[nodiscard]] std::string encode_text(const std::string& text);
 
@@ -122,6 +155,8 @@ struct Target {
 [[nodiscard]] Reading decode_reading(const std::string& body, Eigen::Index joints);
 [[nodiscard]] Target decode_target(const std::string& body, Eigen::Index joints);
 [[nodiscard]] Truth decode_truth(const std::string& body, Eigen::Index joints);
+[[nodiscard]] StickPosition decode_stick(const std::string& body);
+[[nodiscard]] Tick decode_tick(const std::string& body, Eigen::Index joints);
 [[nodiscard]] std::string decode_text(const std::string& body);
 
 }  // namespace baton::link

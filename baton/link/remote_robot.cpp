@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "baton/model/error.hpp"
@@ -28,6 +29,11 @@ Message receive_from(Socket& socket, Stream& stream, Socket::Time limit) {
   throw LinkError(fmt::format("refused ({}): {}", why.reason, why.text));
 }
 
+bool same_bits(const VecX& a, const VecX& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+}
+
 [[noreturn]] void complain_of(Type type, const char* wanted) {
   throw LinkError(fmt::format("a message of type {} in place of {}", static_cast<int>(type), wanted));
 }
@@ -49,6 +55,8 @@ RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, cons
   try {
     greet(parameters.token, world);
     await_reading(parameters.connecting);
+    if (welcome_.navigates) expected_ = 0;  // its first tick begins with that measurement
+    begun_ = true;
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters.address.text(), error.what()));
   }
@@ -79,7 +87,9 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
   if (!welcome_.world.empty() && welcome_.world != world)
     throw InputError(
         fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(), welcome_.world));
-  socket_.send(framed(Type::start, encode(start_of(*model_))), kSending);
+  Start start = start_of(*model_);
+  start.manner = parameters_.manner;
+  socket_.send(framed(Type::start, encode(start)), kSending);
 }
 
 void RemoteRobot::check_joints() const {
@@ -98,7 +108,27 @@ void RemoteRobot::check_joints() const {
     because(fmt::format("has a tick of {} s: must be {} s", welcome_.period, profile.tick.period));
 }
 
+Command RemoteRobot::guide(const Command& command) {
+  try {
+    socket_.send(framed(Type::command, encode(StickPosition{expected_, command})), kSending);
+    await_reading(parameters_.answering);
+    if (damped()) throw LinkError(fmt::format("the robot was damped: {}", damped_because_));
+  } catch (const LinkError& error) {
+    throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
+  }
+  return tick_.command;
+}
+
 void RemoteRobot::write(const JointTarget& target) {
+  if (welcome_.navigates) {
+    if (!same_bits(target.q, tick_.target))
+      throw LinkError(
+          fmt::format("{}: at tick {} its navigator came to another target than the one here: another "
+                      "version of the program, profile, world or processor",
+                      parameters_.address.text(), reading_.sequence));
+    truth_ = after_;
+    return;
+  }
   const bool corrected = target.q_correction.size() > 0;
   const Target sent{reading_.sequence, corrected ? VecX(target.q + target.q_correction) : target.q, target.dq,
                     target.tau};
@@ -136,7 +166,8 @@ bool RemoteRobot::take(const Message& message) {
     case Type::refusal:
       complain(message);
     case Type::truth:
-      truth_ = decode_truth(message.body, joints);
+      after_ = decode_truth(message.body, joints);
+      if (!welcome_.navigates || !truth_) truth_ = after_;
       return false;
     case Type::rejected:
       if (in_a_row_++ == 0) rejecting_since_ = std::chrono::steady_clock::now();
@@ -150,19 +181,31 @@ bool RemoteRobot::take(const Message& message) {
     case Type::bye:
       throw LinkError("the robot has ended the connection");
     case Type::measurement:
+      reading_ = decode_reading(message.body, joints);
+      if (begun_ && welcome_.navigates && !reading_.damped) complain_of(message.type, "a tick");
+      if (!begun_ || !welcome_.navigates) check_sequence(reading_);
+      break;
+    case Type::tick:
+      if (!begun_ || !welcome_.navigates) complain_of(message.type, "a measurement");
+      tick_ = decode_tick(message.body, joints);
+      reading_ = tick_.reading;
+      if (tick_.stale) ++stale_;
+      check_sequence(reading_);
       break;
     default:
       complain_of(message.type, "a measurement");
   }
-  reading_ = decode_reading(message.body, joints);
-  if (expected_ > 0 && reading_.measurement.root.has_value() != perfect_)
-    throw LinkError("a measurement with a root, and one without");
-  perfect_ = reading_.measurement.root.has_value();
-  if (reading_.sequence != expected_)
-    throw LinkError(fmt::format("measurement {} in place of {}", reading_.sequence, expected_));
-  ++expected_;
   if (!std::exchange(rejected_now_, false)) in_a_row_ = 0;
   return true;
+}
+
+void RemoteRobot::check_sequence(const Reading& reading) {
+  if (expected_ > 0 && reading.measurement.root.has_value() != perfect_)
+    throw LinkError("a measurement with a root, and one without");
+  perfect_ = reading.measurement.root.has_value();
+  if (reading.sequence != expected_)
+    throw LinkError(fmt::format("measurement {} in place of {}", reading.sequence, expected_));
+  ++expected_;
 }
 
 double RemoteRobot::not_followed_for() const {

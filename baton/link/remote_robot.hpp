@@ -1,5 +1,10 @@
-/// A robot at the other end of a connection. In lock-step it waits for each target; in real time it goes on by its
-/// clock, and `write` returns when it has measured again, at once if that was some time ago.
+/// A robot at the other end of a connection. In lock-step it waits for each target or command; in real time it goes on
+/// by its clock.
+///
+/// One that follows targets is a robot like any other: `write` sends the target, and returns when it has measured
+/// again, at once if that was some time ago. One that navigates by itself follows commands: `guide` sends one and
+/// returns the one that was followed in its next tick. A session at this end lives through the same ticks, with
+/// `EchoedPlanning`, and `write` compares what it comes to: so all that can be known of a run is known here, too.
 #pragma once
 
 #include <string>
@@ -17,6 +22,7 @@ class RemoteRobot : public Robot {
   struct Parameters {
     Address address;
     std::string token;               ///< "": none
+    Manner manner{};                 ///< for a robot that navigates by itself
     Socket::Time connecting{3000};   ///< longest time for an answer to come while connecting
     Socket::Time answering{10'000};  ///< the same for a measurement: the robot may be simulated by a slow computer
   };
@@ -32,11 +38,20 @@ class RemoteRobot : public Robot {
 
   /// The newest measurement.
   [[nodiscard]] Measurement read() override { return reading_.measurement; }
-  /// Sends the target and waits for the next measurement.
-  /// @throws LinkError the robot is gone, silent, or breaks the protocol
+  /// Sends the target and waits for the next measurement. To a robot that navigates by itself nothing is sent.
+  /// @throws LinkError the robot is gone, silent, or breaks the protocol; its own navigator came to another target
   void write(const JointTarget& target) override;
+  /// Sends a command, and waits for the next tick of a robot that navigates by itself.
+  /// @returns the command that it followed: in real time an earlier one, or none if that was too old
+  /// @throws LinkError the robot is gone, silent, damped, or breaks the protocol
+  [[nodiscard]] Command guide(const Command& command);
   /// Null if the robot does not send it.
   [[nodiscard]] const Truth* truth() const override { return truth_ ? &*truth_ : nullptr; }
+
+  /// The newest tick of a robot that navigates by itself.
+  [[nodiscard]] const Tick& tick() const { return tick_; }
+  /// Ticks in which it had no command that was fresh.
+  [[nodiscard]] long stale() const { return stale_; }
 
   /// In real time, goes on to the newest measurement that has come, if there is one: call it before a run begins.
   /// @throws LinkError as `write`
@@ -59,9 +74,10 @@ class RemoteRobot : public Robot {
   void greet(const std::string& token, const std::string& world);
   /// @returns whether it is a measurement
   [[nodiscard]] bool take(const Message& message);
-  /// Takes messages up to the next measurement.
+  /// Takes messages up to the next measurement or tick.
   void await_reading(Socket::Time limit);
   void check_joints() const;
+  void check_sequence(const Reading& reading);
 
   const RobotModel* model_;
   Parameters parameters_;
@@ -69,7 +85,11 @@ class RemoteRobot : public Robot {
   Stream stream_;
   Welcome welcome_;
   Reading reading_;
-  std::uint64_t expected_ = 0;  ///< sequence of the next measurement
+  std::uint64_t expected_ = 0;  ///< sequence of the next measurement or tick
+  Tick tick_;
+  long stale_ = 0;
+  std::optional<Truth> after_;  ///< truth after the newest tick
+  bool begun_ = false;          ///< the first measurement has come
   bool perfect_ = false;        ///< measurements have the root
   std::optional<Truth> truth_;
   long rejected_ = 0;

@@ -35,6 +35,20 @@ bool same_token(const std::string& a, const std::string& b) {
   return differs == 0;
 }
 
+std::string_view told_of(Guard guard) {
+  switch (guard) {
+    case Guard::fallen:
+      return "the robot has fallen: its motors are soft";
+    case Guard::lifted:
+      return "the robot was lifted: begins nothing until it stands again";
+    case Guard::stood_up:
+      return "the robot was stood up: goes on once the stick is centred";
+    case Guard::armed:
+      break;
+  }
+  return "the robot stands, and can be guided";
+}
+
 }  // namespace
 
 RobotServer::RobotServer(const RobotModel& model, Robot& robot, Parameters parameters)
@@ -135,7 +149,11 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
     case Type::start:
       return begin(peer, message);
     case Type::target:
-      if (!peer.started) return refuse(peer, "protocol", "a target before the start");
+    case Type::command:
+      if (!peer.started) return refuse(peer, "protocol", "a target or command before the start");
+      if ((message.type == Type::command) != (onboard_ != nullptr))
+        return refuse(peer, "protocol", onboard_ ? "a target: must be a command" : "a command: must be a target");
+      if (onboard_) return guide(peer, message);
       follow(peer, message);
       return true;
     case Type::damp:
@@ -171,6 +189,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   welcome.lock_step = !parameters_.real_time;
   welcome.on = parameters_.on;
   welcome.world = parameters_.world;
+  welcome.navigates = parameters_.navigates_in != nullptr;
   peer.socket.send(framed(Type::welcome, encode(welcome)), kAtOnce);
   peer.welcomed = true;  // `serve` makes it the driver
   return true;
@@ -180,18 +199,18 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   if (peer.started) return refuse(peer, "protocol", "a second start");
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
   const Start start = decode_start(message.body, model_->nv() - 6);
-  const std::string drive(to_string(model_->profile().drive));
-  if (start.drive != drive)
-    return refuse(peer, "servos", fmt::format("drive {}: the servos are {}", start.drive, drive));
-  for (std::size_t i = 0; i < model_->joints().size(); ++i) {
-    const Joint& joint = model_->joints()[i];
-    const auto at = static_cast<Eigen::Index>(i);
-    if (start.kp[at] != joint.gains.kp || start.kd[at] != joint.gains.kd)
-      return refuse(peer, "servos",
-                    fmt::format("{}: kp {:.6g}, kd {:.6g}: the servo has {:.6g}, {:.6g}", joint.name, start.kp[at],
-                                start.kd[at], joint.gains.kp, joint.gains.kd));
-  }
+  if (const std::optional<std::string> why = wrong_servos(start)) return refuse(peer, "servos", *why);
   robot_->reset();
+  if (parameters_.navigates_in != nullptr) {
+    onboard_.reset();
+    Onboard::Parameters parameters{start.manner, !parameters_.real_time, nullptr};
+    if (parameters_.planning) parameters.planning = parameters_.planning(start.manner.modes);
+    try {
+      onboard_ = std::make_unique<Onboard>(*model_, *parameters_.navigates_in, *robot_, std::move(parameters));
+    } catch (const InputError& error) {
+      return refuse(peer, "posture", error.what());
+    }
+  }
   peer.started = true;
   reading_ = {};
   reading_.measurement = robot_->read();
@@ -204,6 +223,31 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   due_ = parameters_.now() + period();
   parameters_.log("a driver has taken over");
   send_reading(peer);
+  return true;
+}
+
+std::optional<std::string> RobotServer::wrong_servos(const Start& start) const {
+  const std::string drive(to_string(model_->profile().drive));
+  if (start.drive != drive) return fmt::format("drive {}: the servos are {}", start.drive, drive);
+  for (std::size_t i = 0; i < model_->joints().size(); ++i) {
+    const Joint& joint = model_->joints()[i];
+    const auto at = static_cast<Eigen::Index>(i);
+    if (start.kp[at] != joint.gains.kp || start.kd[at] != joint.gains.kd)
+      return fmt::format("{}: kp {:.6g}, kd {:.6g}: the servo has {:.6g}, {:.6g}", joint.name, start.kp[at],
+                         start.kd[at], joint.gains.kp, joint.gains.kd);
+  }
+  return std::nullopt;
+}
+
+bool RobotServer::guide(Peer& peer, const Message& message) {
+  const StickPosition stick = decode_stick(message.body);
+  const std::uint64_t ticks = onboard_->ticks();
+  if (stick.seen > ticks || (!parameters_.real_time && stick.seen < ticks))
+    return refuse(peer, "protocol",
+                  fmt::format("a command after tick {}: must be {}{}", stick.seen,
+                              parameters_.real_time ? "at most " : "", ticks));
+  onboard_->hear(stick);
+  if (!parameters_.real_time) advance();
   return true;
 }
 
@@ -232,16 +276,38 @@ std::optional<std::string> RobotServer::judge(const Target& target) {
 }
 
 void RobotServer::advance() {
-  if (!answered()) target_.dq.setZero();  // nothing to follow: it stays where the last good target was
   if (state_ == State::damped) {
-    target_.q = reading_.measurement.q;
-    target_.dq.setZero();
-    target_.tau.setZero();
+    brake();
+  } else if (onboard_) {
+    const Tick& tick = onboard_->step();
+    reading_ = tick.reading;
+    tell();
+    if (driver_ && driver_->started) send(*driver_, framed(Type::tick, encode(tick)));
+    return;
+  } else if (!answered()) {
+    target_.dq.setZero();  // nothing to follow: it stays where the last good target was
   }
   robot_->write(target_);
   ++reading_.sequence;
   reading_.measurement = robot_->read();
   if (driver_ && driver_->started) send_reading(*driver_);
+}
+
+void RobotServer::tell() {
+  if (std::exchange(stale_, onboard_->stale()) != onboard_->stale())
+    parameters_.log(onboard_->stale() ? fmt::format("link: the stick's positions are more than {} s old: comes to rest",
+                                                    Onboard::kFresh)
+                                      : "link: the stick counts again");
+  const Navigator& navigator = onboard_->session().navigator();
+  const auto* changed = find_event<GuardChanged>(navigator.events());
+  if (changed != nullptr) parameters_.log(std::string(told_of(changed->to)));
+  if (!driver_ && find_event<Ended>(navigator.events()) != nullptr) parameters_.log("at rest, without a driver");
+}
+
+void RobotServer::brake() {
+  target_.q = reading_.measurement.q;
+  target_.dq.setZero();
+  target_.tau.setZero();
 }
 
 void RobotServer::advance_if_due() {
@@ -265,10 +331,13 @@ RobotServer::Clock::duration RobotServer::period() const {
 
 void RobotServer::send_reading(Peer& peer) {
   reading_.damped = state_ == State::damped;
+  send(peer, framed(Type::measurement, encode(reading_)));
+}
+
+void RobotServer::send(Peer& peer, const std::string& message) {
   std::string bytes;
   if (const Truth* truth = robot_->truth()) bytes = framed(Type::truth, encode(*truth));
-  bytes += framed(Type::measurement, encode(reading_));
-  peer.socket.send(bytes, kAtOnce);
+  peer.socket.send(bytes + message, kAtOnce);
 }
 
 bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::string& text) {
@@ -287,6 +356,7 @@ bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::strin
 void RobotServer::drop_driver(const std::string& why) {
   if (!why.empty()) parameters_.log("driver lost: " + why);
   driver_.reset();
+  if (onboard_) onboard_->let_go();
   if (state_ == State::driven) state_ = State::waiting;
 }
 
@@ -311,6 +381,7 @@ void RobotServer::arm() {
     }
   }
   driver_.reset();
+  onboard_.reset();  // it does not stand where that one left it
   state_ = State::waiting;
   parameters_.log("armed");
 }

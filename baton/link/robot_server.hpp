@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "baton/link/message.hpp"
+#include "baton/link/onboard.hpp"
 #include "baton/link/target_check.hpp"
 
 namespace baton::link {
@@ -23,11 +23,15 @@ class RobotServer {
     std::string on = "sim";
     std::string world{};
     bool real_time = false;  ///< goes on by the clock, whether or not a target has come; else waits for each
+    /// In which it navigates by itself, and follows commands; null: it follows targets for the joints.
+    const World* navigates_in = nullptr;
+    /// Where it plans then; none, or null: synchronously.
+    std::function<std::unique_ptr<Planning>(Modes)> planning{};
     std::function<Clock::time_point()> now = Clock::now;
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
 
-  /// `model` and `robot` must outlive this object. The robot must have a `reset`.
+  /// `model`, `robot` and the world must outlive this object. The robot must have a `reset`.
   /// @throws InputError the address cannot be listened on, or needs a token
   RobotServer(const RobotModel& model, Robot& robot, Parameters parameters);
 
@@ -36,6 +40,8 @@ class RobotServer {
   [[nodiscard]] State state() const { return state_; }
   /// Whether a target has been followed that answers the newest measurement.
   [[nodiscard]] bool answered() const { return next_ > reading_.sequence; }
+  /// The navigator at this end, once a driver has started it.
+  [[nodiscard]] const Onboard* onboard() const { return onboard_.get(); }
 
   /// Waits for messages, and does what they ask for; in real time, also moves the robot when a tick is over.
   /// @param limit longest wait
@@ -66,15 +72,24 @@ class RobotServer {
   [[nodiscard]] bool hear(Peer& peer, const Message& message);
   [[nodiscard]] bool greet(Peer& peer, const Message& message);
   [[nodiscard]] bool begin(Peer& peer, const Message& message);
+  /// @returns why not, with these servos
+  [[nodiscard]] std::optional<std::string> wrong_servos(const Start& start) const;
   void follow(Peer& peer, const Message& message);
+  /// @returns whether the peer stays connected
+  [[nodiscard]] bool guide(Peer& peer, const Message& message);
   /// @returns why the target is not followed
   [[nodiscard]] std::optional<std::string> judge(const Target& target);
   /// Moves the robot by a tick and measures.
   void advance();
+  void brake();
+  /// Logs what the navigator at this end has done in a tick, as far as somebody beside the robot wants to know it.
+  void tell();
   [[nodiscard]] Clock::duration period() const;
   /// By the clock, in real time.
   void advance_if_due();
   void send_reading(Peer& peer);
+  /// Truth, if there is any, and a message.
+  void send(Peer& peer, const std::string& message);
   [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
   /// @param why for the log; "": it is there already
   void drop_driver(const std::string& why);
@@ -84,12 +99,14 @@ class RobotServer {
   Parameters parameters_;
   Socket listener_;
   State state_ = State::waiting;
-  std::vector<Peer> guests_;    ///< connected, and nothing agreed on yet
-  std::optional<Peer> driver_;  ///< at most one
+  std::vector<Peer> guests_;          ///< connected, and nothing agreed on yet
+  std::optional<Peer> driver_;        ///< at most one
+  std::unique_ptr<Onboard> onboard_;  ///< null before the first start, and if it follows targets
   TargetCheck check_;
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
+  bool stale_ = false;  ///< that the stick was has been logged
   long rejections_ = 0;
   long refusals_ = 0;             ///< not logged yet
   Clock::time_point refused_at_;  ///< of the last one that was logged

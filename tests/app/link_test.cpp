@@ -1,15 +1,9 @@
 #include <gmock/gmock.h>
 
-#include <atomic>
-#include <thread>
-
-#include "baton/ik/stand.hpp"
-#include "baton/link/remote_robot.hpp"
-#include "baton/link/robot_server.hpp"
 #include "baton/proving/scenario.hpp"
-#include "baton/robot/simulated_robot.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/served.hpp"
 
 namespace baton {
 namespace {
@@ -25,45 +19,26 @@ const std::string kStick = R"({"t": 0.2, "guide": "trunk", "axes": [1, 0, 0, 0, 
 )";
 
 /// What `baton robot --sim --world flat --seed 4` serves, in a thread.
-class RobotsEnd {
+class RobotsEnd : public test::Served {
  public:
-  explicit RobotsEnd(const std::string& token = "")
-      : robot_(model_, world_, stand(model_, world_.site("start"), model_.profile().stance.com_height),
-               model_.profile().tick.period, physics()),
-        server_(model_, robot_, {.listen = {"127.0.0.1", 0}, .token = token, .world = "flat"}),
-        address(server_.address().text()),
-        thread_([this] {
-          while (!stop_)
-            server_.serve(Socket::Time(1));
-        }) {}
-  ~RobotsEnd() {
-    stop_ = true;
-    thread_.join();
-  }
+  explicit RobotsEnd(const std::string& token = "", bool navigates = true)
+      : Served(test::robot("mighty"), plant_of(true, nullptr, test::robot("mighty"), 4, 1.0), token, Pace::lock_step,
+               navigates),
+        address(Served::address().text()) {}
 
- private:
-  [[nodiscard]] SimulatedRobot::Parameters physics() const {
-    SimulatedRobot::Parameters parameters;
-    parameters.plant = plant_of(true, nullptr, model_, 4, 1.0);
-    return parameters;
-  }
-
-  const RobotModel& model_ = test::robot("mighty");
-  const World world_ = World::load("flat");
-  SimulatedRobot robot_;
-  link::RobotServer server_;
-
- public:
   const std::string address;
-
- private:
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
 };
 
-TEST(DriveOverALink, TraceRecordingAndReportAreThoseOfARunWithTheSimulatorInside) {
+class DriveOverALinkTo : public testing::TestWithParam<bool> {};
+
+std::string level(const testing::TestParamInfo<bool>& navigates) {
+  return navigates.param ? "ANavigator" : "ABareRobot";
+}
+INSTANTIATE_TEST_SUITE_P(Robots, DriveOverALinkTo, testing::Bool(), level);
+
+TEST_P(DriveOverALinkTo, TraceRecordingAndReportAreThoseOfARunWithTheSimulatorInside) {
   const Scratch scratch;
-  const RobotsEnd end;
+  const RobotsEnd end("", GetParam());
   const std::string script = scratch.write("stick.jsonl", kStick);
   const auto drive = [&](const std::string& on, const std::string& name) {
     return run({"drive", "--on", on, "--world", "flat", "--seed", "4", "--input", "script:" + script, "--fast",
@@ -79,7 +54,9 @@ TEST(DriveOverALink, TraceRecordingAndReportAreThoseOfARunWithTheSimulatorInside
   nlohmann::json inside_report = scratch.json("inside.json");
   nlohmann::json there_report = scratch.json("there.json");
   EXPECT_EQ(there_report["link"]["address"], end.address);
+  EXPECT_EQ(there_report["link"]["navigates"], GetParam());
   EXPECT_EQ(there_report["link"]["rejected"], 0);
+  EXPECT_EQ(there_report["link"]["stale"], 0);
   EXPECT_EQ(there_report["link"]["broken"], "");
   there_report.erase("link");
   for (nlohmann::json* report : {&inside_report, &there_report}) {  // what the computer took
@@ -118,6 +95,8 @@ TEST(DriveOverALink, WhatOnlyTheOtherEndKnowsIsNotTakenHere) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--plant", "model"}, "--plant model with --on tcp://"},
       {{"--scenario", "push"}, "--scenario push with --on tcp://"},
+      {{"--answer-delay", "5"}, "--answer-delay with --on tcp://"},
+      {{"--answer-loss", "0.5"}, "--answer-loss with --on tcp://"},
       {{"--world", "room"}, "stands in 'flat'"},
   };
   for (const auto& [more, named] : cases) {

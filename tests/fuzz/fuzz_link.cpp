@@ -30,6 +30,10 @@ std::string again(const Message& message) {
     case Type::rejected:
     case Type::damp:
       return encode_text(decode_text(message.body));
+    case Type::command:
+      return encode(decode_stick(message.body));
+    case Type::tick:
+      return encode(decode_tick(message.body, kJoints));
     case Type::bye:
       return message.body;
   }

@@ -68,6 +68,22 @@ Reading any_reading(Eigen::Index joints, std::mt19937_64& random) {
   return reading;
 }
 
+Command any_command(std::mt19937_64& random) {
+  Command command;
+  command.guide = kParts[random() % kParts.size()];
+  command.axes = any_vector(6, random);
+  command.lift = {any_double(random), any_double(random)};
+  command.recall = static_cast<Recall>(random() % 4);
+  return command;
+}
+
+Tick any_tick(Eigen::Index joints, std::mt19937_64& random) {
+  Tick tick{any_reading(joints, random), any_command(random), random() % 2 == 0, {}, any_vector(joints, random)};
+  for (std::size_t i = 0; i < random() % (Tick::kMostPlanning + 1); ++i)
+    tick.planning.push_back(random() % 2 == 0 ? PlanningEvent::ask : PlanningEvent::answer);
+  return tick;
+}
+
 TEST(LinkMessage, NumbersArriveBitByBitWhateverTheyAre) {
   std::mt19937_64 random(1);
   for (int run = 0; run < 2000; ++run) {
@@ -86,6 +102,11 @@ TEST(LinkMessage, NumbersArriveBitByBitWhateverTheyAre) {
     truth.fall = truth.fallen ? "left_hand touches the floor" : "";
     EXPECT_EQ(encode(decode_truth(encode(truth), joints)), encode(truth));
     EXPECT_EQ(decode_truth(encode(truth), joints).fall, truth.fall);
+    const StickPosition stick{random(), any_command(random)};
+    EXPECT_EQ(encode(decode_stick(encode(stick))), encode(stick));
+    const Tick tick = any_tick(joints, random);
+    EXPECT_EQ(encode(decode_tick(encode(tick), joints)), encode(tick));
+    EXPECT_EQ(decode_tick(encode(tick), joints).planning, tick.planning);
   }
 }
 
@@ -110,13 +131,72 @@ TEST(LinkMessage, EachFieldOfAReadingIsWhereTheDocumentSaysItIs) {
   EXPECT_TRUE(same(number_at(16 + 8 * 35), reading.measurement.sole.right.moment.z()));
 }
 
+TEST(LinkMessage, EachFieldOfACommandAndATickIsWhereTheDocumentSaysItIs) {
+  std::mt19937_64 random(4);
+  const StickPosition stick{7, {Part::trunk, Vec6::LinSpaced(1.0, 6.0), {0.25, 0.75}, Recall::stop}};
+  const std::string bytes = encode(stick);
+  const auto number_in = [](const std::string& body, std::size_t offset) {
+    double value = 0.0;
+    std::memcpy(&value, body.data() + offset, sizeof value);
+    return value;
+  };
+  ASSERT_EQ(bytes.size(), 8U + 2 + 8 * 8);
+  EXPECT_EQ(bytes[0], 7);
+  EXPECT_EQ(bytes[8], 4);  // trunk
+  EXPECT_EQ(bytes[9], 3);  // stop
+  EXPECT_EQ(number_in(bytes, 10), 0.25);
+  EXPECT_EQ(number_in(bytes, 26), 1.0);
+  Tick tick = any_tick(2, random);
+  tick.command = stick.command;
+  tick.stale = true;
+  tick.planning = {PlanningEvent::answer, PlanningEvent::ask};
+  tick.target = Vec2(8.0, 9.0);
+  const std::string body = encode(tick);
+  EXPECT_EQ(body.substr(0, 66), bytes.substr(8));
+  EXPECT_EQ(body.substr(66, 4), std::string("\1\2\1\0", 4));
+  EXPECT_EQ(number_in(body, 78), 9.0);
+  EXPECT_EQ(body.substr(86), encode(tick.reading));
+}
+
+TEST(LinkMessage, ACommandOfAPartOrRecallThatThereIsNotIsMalformed) {
+  const std::string good = encode(StickPosition{});
+  for (int value = 0; value < 256; ++value) {
+    std::string part = good;
+    part[8] = static_cast<char>(value);
+    EXPECT_EQ(malformed([&] { (void)decode_stick(part); }).empty(), value < 5) << value;
+    std::string recall = good;
+    recall[9] = static_cast<char>(value);
+    EXPECT_EQ(malformed([&] { (void)decode_stick(recall); }).empty(), value < 4) << value;
+  }
+  EXPECT_THAT(malformed([&] { (void)decode_stick(good + "x"); }), HasSubstr("a command of 75 bytes is too long"));
+  EXPECT_THAT(malformed([&] { (void)decode_stick(good.substr(1)); }), HasSubstr("too short"));
+}
+
+TEST(LinkMessage, TheMannerOfNavigationIsWhatWasAskedFor) {
+  for (int k = 0; k < 24; ++k) {
+    Start start{"pd", Vec2(1.0, 2.0), Vec2(3.0, 4.0), {}};
+    start.manner.modes = {static_cast<DurationRule>(k % 2), static_cast<OnLimit>(k / 2 % 2),
+                          static_cast<Gait>(k / 4 % 2)};
+    start.manner.source = static_cast<StateSource>(k / 8);
+    const Start read = decode_start(encode(start), 2);
+    EXPECT_EQ(read.manner.modes.duration, start.manner.modes.duration);
+    EXPECT_EQ(read.manner.modes.on_limit, start.manner.modes.on_limit);
+    EXPECT_EQ(read.manner.modes.gait, start.manner.modes.gait);
+    EXPECT_EQ(read.manner.source, start.manner.source);
+  }
+  const Start bare = decode_start(R"({"drive": "pd", "kp": [1, 2], "kd": [3, 4]})", 2);  // of an older driver
+  EXPECT_EQ(bare.manner.source, StateSource::sensors);
+  EXPECT_THAT(malformed([] { (void)decode_start(R"({"drive": "pd", "kp": [1], "kd": [3], "gait": "gallop"})", 1); }),
+              HasSubstr("gait"));
+}
+
 TEST(LinkMessage, AStreamIsTakenApartWhereverItIsCut) {
   std::mt19937_64 random(3);
   for (int run = 0; run < 500; ++run) {
     std::vector<Message> sent;
     std::string bytes;
     for (std::size_t i = 0; i < 1 + random() % 6; ++i) {
-      const auto type = static_cast<Type>(1 + random() % 10);
+      const auto type = static_cast<Type>(1 + random() % 12);
       sent.push_back({type, std::string(random() % 300, static_cast<char>(random()))});
       bytes += framed(type, sent.back().body);
     }

@@ -5,169 +5,26 @@
 #include <atomic>
 #include <cstring>
 #include <limits>
-#include <mutex>
 #include <random>
 #include <thread>
 
-#include "baton/ik/stand.hpp"
-#include "baton/link/remote_robot.hpp"
 #include "baton/model/error.hpp"
 #include "baton/proving/scenario.hpp"
 #include "baton/proving/stick.hpp"
 #include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
+#include "tests/support/served.hpp"
 
 namespace baton::link {
 namespace {
 
+using test::complaint;
+using test::hello;
+using test::kPatience;
+using test::Raw;
+using test::refused;
+using test::Served;
 using testing::HasSubstr;
-
-constexpr Socket::Time kPatience{20'000};
-
-/// A simulated robot that is served by a thread.
-class Served {
- public:
-  /// How time passes in real time: when the test says so, or when a measurement has been answered.
-  enum class Pace { lock_step, by_test, by_answers };
-
-  explicit Served(const RobotModel& model, const Plant& plant = {}, const std::string& token = "",
-                  Pace pace = Pace::lock_step)
-      : period_(std::chrono::duration_cast<RobotServer::Clock::duration>(
-            std::chrono::duration<double>(model.profile().tick.period))),
-        pace_(pace),
-        robot_(model, world_, stand(model, world_.site("start"), model.profile().stance.com_height),
-               model.profile().tick.period, physics(plant)),
-        server_(model, robot_,
-                {.listen = {"127.0.0.1", 0},
-                 .token = token,
-                 .world = "flat",
-                 .real_time = pace != Pace::lock_step,
-                 .now = [this] { return now_; },
-                 .log = [this](const std::string& text) { log_.push_back(text); }}),
-        address_(server_.address()),
-        thread_([this] { serve(); }) {}
-  ~Served() {
-    stop_ = true;
-    thread_.join();
-  }
-
-  [[nodiscard]] const Address& address() const { return address_; }
-  [[nodiscard]] const World& world() const { return world_; }
-
-  /// Lets some ticks pass.
-  void pass(int ticks) {
-    at_the_robot([&](RobotServer&) { now_ += ticks * period_; });
-    at_the_robot([](RobotServer&) {});  // it has been served in between
-  }
-
-  /// Calls this in the thread, between two messages.
-  void at_the_robot(const std::function<void(RobotServer&)>& act) {
-    {
-      const std::lock_guard lock(mutex_);
-      due_ = act;
-    }
-    while (true) {
-      const std::lock_guard lock(mutex_);
-      if (!due_) return;
-    }
-  }
-  /// Only for `at_the_robot`.
-  [[nodiscard]] const Truth& truth() const { return *robot_.truth(); }
-  /// What was logged so far, line by line.
-  [[nodiscard]] std::string log() {
-    std::string all;
-    at_the_robot([&](RobotServer&) {
-      for (const std::string& line : log_)
-        all += line + '\n';
-    });
-    return all;
-  }
-
- private:
-  static SimulatedRobot::Parameters physics(const Plant& plant) {
-    SimulatedRobot::Parameters parameters;
-    parameters.plant = plant;
-    return parameters;
-  }
-  void serve() {
-    while (!stop_) {
-      server_.serve(Socket::Time(1));
-      const std::lock_guard lock(mutex_);
-      if (due_) due_(server_);
-      due_ = nullptr;
-      if (pace_ == Pace::by_answers && server_.answered()) now_ += period_;
-    }
-  }
-
-  const RobotServer::Clock::duration period_;
-  const Pace pace_;
-  RobotServer::Clock::time_point now_;
-  const World world_ = World::load("flat");
-  SimulatedRobot robot_;
-  std::vector<std::string> log_;
-  RobotServer server_;
-  const Address address_;
-  std::mutex mutex_;
-  std::function<void(RobotServer&)> due_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
-
-/// A connection without manners.
-class Raw {
- public:
-  explicit Raw(const Address& address) : socket_(Socket::connect(address, kPatience)) {}
-
-  void send(const std::string& bytes) { socket_.send(bytes, kPatience); }
-  void send(Type type, const std::string& body) { send(framed(type, body)); }
-  Message receive() {
-    while (true) {
-      if (const std::optional<Message> message = stream_.next()) return *message;
-      if (!socket_.receive(stream_.bytes(), kPatience)) throw LinkError("nothing came");
-    }
-  }
-  /// The next message that is not truth.
-  Message answer() {
-    Message message = receive();
-    while (message.type == Type::truth)
-      message = receive();
-    return message;
-  }
-  /// Whether the other end closes the connection.
-  bool closed() {
-    try {
-      while (socket_.receive(stream_.bytes(), kPatience)) {
-      }
-    } catch (const LinkError&) {
-      return true;
-    }
-    return false;
-  }
-
- private:
-  Socket socket_;
-  Stream stream_;
-};
-
-std::string hello(int version = kVersion, const std::string& token = "") {
-  return encode(Hello{version, token, Hello::Role::drive});
-}
-
-std::string refused(const Message& message) {
-  if (message.type != Type::refusal) return "";
-  const Refusal refusal = decode_refusal(message.body);
-  return refusal.reason + ": " + refusal.text;
-}
-
-template <typename Thrower>
-std::string complaint(const Thrower& thrower) {
-  try {
-    thrower();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 class RobotServerTest : public testing::TestWithParam<std::string> {
  protected:
@@ -537,7 +394,7 @@ TEST_P(RobotServerTest, NoBytesWhateverTheyAreKeepADriverAway) {
           bytes += static_cast<char>(random());
         break;
       case 1:
-        bytes = framed(static_cast<Type>(1 + random() % 10), std::string(random() % 100, static_cast<char>(random())));
+        bytes = framed(static_cast<Type>(1 + random() % 12), std::string(random() % 100, static_cast<char>(random())));
         break;
       case 2:
         bytes = framed(Type::hello, hello());
@@ -550,7 +407,7 @@ TEST_P(RobotServerTest, NoBytesWhateverTheyAreKeepADriverAway) {
     try {
       Raw raw(served.address());
       raw.send(bytes);
-      if (random() % 2 == 0) raw.send(framed(static_cast<Type>(1 + random() % 10), bytes));
+      if (random() % 2 == 0) raw.send(framed(static_cast<Type>(1 + random() % 12), bytes));
     } catch (const LinkError&) {  // it may close while we still send
     }
   }

@@ -119,6 +119,38 @@ def test_damp_is_latched_whoever_asks_for_it():
         assert end.process.wait(timeout=10) == 0
 
 
+@pytest.mark.parametrize("end_it", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_robot_whose_driver_is_killed_or_stopped_in_a_step_comes_to_rest(end_it, tmp_path):
+    trace = tmp_path / "trace.csv"
+    with simulated("--real-time") as end:
+        driver = subprocess.Popen(drive_command(end.address, 60, "--trace", trace), stderr=subprocess.PIPE, text=True)
+        while not trace.exists() or ",single_" not in trace.read_text():  # a foot is in the air
+            assert driver.poll() is None
+        driver.send_signal(end_it)
+        if end_it == signal.SIGKILL:
+            end.await_log("driver lost")
+            end.await_log("at rest, without a driver")
+        else:
+            end.await_log("comes to rest")
+            driver.send_signal(signal.SIGCONT)
+            end.await_log("the stick counts again")
+            assert any("it rests" in line for line in driver.stderr)
+        driver.kill()
+        driver.communicate()
+        end.process.send_signal(signal.SIGINT)
+        _, rest = end.process.communicate(timeout=20)
+        assert "fallen" not in rest
+
+
+def test_a_robot_that_takes_targets_alone_is_driven_the_same(tmp_path):
+    with simulated("--targets") as end:
+        there = drive(end.address, 4, "--trace", tmp_path / "there.csv", "--report", tmp_path / "there.json")
+    inside = drive("sim", 4, "--seed", 2, "--trace", tmp_path / "inside.csv")
+    assert there.returncode == inside.returncode == 0, there.stderr + inside.stderr
+    assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "inside.csv").read_bytes()
+    assert json.loads((tmp_path / "there.json").read_text())["link"]["navigates"] is False
+
+
 def test_a_second_driver_is_refused():
     with simulated() as end:
         first = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE)

@@ -1,0 +1,122 @@
+#include "app/remote_end.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "app/inputs.hpp"
+#include "app/options.hpp"
+#include "baton/link/echoed_planning.hpp"
+#include "baton/link/engage.hpp"
+#include "baton/link/onboard.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::app {
+namespace {
+
+constexpr double kSettled = 0.5;       ///< time of rest after which a robot has taken its stance, or cannot [s]
+constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which a run ends [s]
+
+/// @throws InputError the robot does not measure what the state is estimated from
+void check_sensors(const Measurement& measured, StateSource source, const std::string& on) {
+  const auto because = [&](const char* lacks, const char* must) {
+    throw InputError(
+        fmt::format("--state {}: the robot at {} measures no {}: must be {}", to_string(source), on, lacks, must));
+  };
+  const auto feels = [&](Side side) { return !measured.sole[side].force.array().isNaN().all(); };
+  if (source == StateSource::sensors && !feels(Side::left) && !feels(Side::right))
+    because("forces on its soles", "--state torques");
+  if (source == StateSource::torques && measured.torque.size() == 0) because("motor torques", "--state sensors");
+  if (source == StateSource::perfect && !measured.root) because("pose of its root", "--state sensors or torques");
+}
+
+}  // namespace
+
+RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World& world)
+    : address_(o.on), model_(&robot) {
+  check_physics(o.physics, o.on);
+  const link::Manner manner{modes_of(o.modes), state_named(o.physics.state)};
+  owned_ = std::make_unique<link::RemoteRobot>(
+      robot, world.name(), link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token), manner});
+  remote_ = owned_.get();
+  check_sensors(remote_->read(), manner.source, o.on);
+  if (!welcome().navigates) return;
+  const auto belongs_there = [&](const char* option, bool given) {
+    if (given)
+      throw InputError(
+          fmt::format("{} with --on {}: that robot navigates by itself; it goes with a robot that follows "
+                      "targets (baton robot --targets)",
+                      option, o.on));
+  };
+  belongs_there("--calibration", o.calibration.has_value());
+  belongs_there("--answer-delay", o.answers.delay_ms > 0.0);
+  belongs_there("--answer-loss", o.answers.loss > 0.0);
+}
+
+Posture RemoteEnd::start(const World& world, const std::optional<Calibration>& calibration) {
+  const Measurement seen = calibration ? without_errors(remote_->read(), *calibration) : remote_->read();
+  const Posture start = named_in(address_, [&] { return link::engage(*model_, world.site("start"), seen.q); });
+  engaging_ = !link::in_stance(*model_, start.q.tail(seen.q.size()));
+  if (engaging_) spdlog::info("takes its stance first");
+  return start;
+}
+
+std::unique_ptr<Planning> RemoteEnd::planning(std::unique_ptr<Planning> planner) const {
+  if (!welcome().navigates) return planner;
+  return std::make_unique<link::EchoedPlanning>(*remote_, std::move(planner));
+}
+
+void RemoteEnd::catch_up() {
+  if (!welcome().navigates) remote_->catch_up();  // else the session lives through each tick
+}
+
+bool RemoteEnd::step(Session& session, const Command& command) {
+  try {
+    session.step(welcome().navigates ? remote_->guide(command) : command);
+    if (engaging_) look_engaged(session);
+    warn();
+    if (remote_->damped()) {
+      broken_ = fmt::format("{}: the robot was damped: {}", address_, remote_->damped_because());
+    } else if (remote_->not_followed_for() > kNotFollowing) {
+      broken_ = fmt::format("{}: the robot follows no longer: {}", address_, remote_->rejection());
+    }
+  } catch (const LinkError& error) {
+    broken_ = error.what();
+  }
+  return broken_.empty();
+}
+
+void RemoteEnd::look_engaged(const Session& session) {
+  rested_ = session.resting() ? rested_ + 1 : 0;
+  engaging_ = static_cast<double>(rested_) * model_->profile().tick.period < kSettled;
+  if (engaging_) return;
+  const VecX& q = session.navigator().state().q;
+  if (link::in_stance(*model_, q.tail(q.size() - 7))) {
+    spdlog::info("in its stance");
+  } else {
+    const bool refused = session.navigator().refusal() != nullptr;
+    spdlog::warn("does not find to its stance{}: guide it from where it is", refused ? ", refused" : "");
+  }
+}
+
+void RemoteEnd::warn() {
+  if (remote_->rejected() > 0 && told_ == 0) spdlog::warn("the robot has rejected a target: {}", remote_->rejection());
+  told_ = remote_->rejected();
+  if (!welcome().navigates || remote_->tick().stale == stale_) return;
+  stale_ = remote_->tick().stale;
+  if (stale_) {
+    spdlog::warn("link: the stick's positions are more than {} s old when they come to the robot: it rests",
+                 link::Onboard::kFresh);
+  } else {
+    spdlog::info("link: the stick counts again");
+  }
+}
+
+nlohmann::json RemoteEnd::json() const {
+  return {{"address", address_},
+          {"navigates", welcome().navigates},
+          {"rejected", remote_->rejected()},
+          {"stale", remote_->stale()},
+          {"broken", broken_}};
+}
+
+}  // namespace baton::app

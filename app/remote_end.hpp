@@ -1,0 +1,61 @@
+/// A robot at the other end of a connection, as `baton drive` has it.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "app/commands.hpp"
+#include "baton/link/remote_robot.hpp"
+#include "baton/robot/calibration.hpp"
+#include "baton/run/session.hpp"
+
+namespace baton::app {
+
+class RemoteEnd {
+ public:
+  /// Connects, and takes the robot over. `robot` must outlive this object.
+  /// @throws InputError options that only the robot's own end has; it is another robot, stands elsewhere, or does not
+  /// measure what the state is estimated from
+  /// @throws LinkError nobody there, or refused
+  RemoteEnd(const DriveOptions& options, const RobotModel& robot, const World& world);
+
+  /// The robot itself, once, for a session; it stays known here.
+  [[nodiscard]] std::unique_ptr<Robot> robot() { return std::move(owned_); }
+  [[nodiscard]] const link::Welcome& welcome() const { return remote_->welcome(); }
+  /// Where a session begins.
+  /// @param calibration what is known of the sensors' errors
+  /// @throws InputError the robot does not stand on both soles
+  [[nodiscard]] Posture start(const World& world, const std::optional<Calibration>& calibration);
+  /// Whether it has not come to its stance yet: the stick does not count until then.
+  [[nodiscard]] bool engaging() const { return engaging_; }
+  /// Where that session plans: what a robot that navigates by itself has planned, or by `planner`.
+  [[nodiscard]] std::unique_ptr<Planning> planning(std::unique_ptr<Planning> planner) const;
+
+  /// In real time, what has been measured while a run was prepared.
+  void catch_up();
+  /// One tick of the session.
+  /// @returns whether the robot still follows
+  [[nodiscard]] bool step(Session& session, const Command& command);
+  /// Why it follows no longer; "": it does.
+  [[nodiscard]] const std::string& broken() const { return broken_; }
+
+  /// For the report.
+  [[nodiscard]] nlohmann::json json() const;
+
+ private:
+  void look_engaged(const Session& session);
+  void warn();
+
+  std::string address_;
+  const RobotModel* model_;
+  std::unique_ptr<link::RemoteRobot> owned_;
+  link::RemoteRobot* remote_;
+  bool engaging_ = false;
+  long rested_ = 0;  ///< ticks, while engaging
+  long told_ = 0;    ///< rejected targets at the last warning
+  bool stale_ = false;
+  std::string broken_;
+};
+
+}  // namespace baton::app

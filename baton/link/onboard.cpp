@@ -1,0 +1,33 @@
+#include "baton/link/onboard.hpp"
+
+#include <utility>
+
+#include "baton/link/engage.hpp"
+
+namespace baton::link {
+
+Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Parameters parameters)
+    : model_(&model),
+      parameters_(std::move(parameters)),
+      session_(model, world, robot, engage(model, world.site("start"), robot.read().q),
+               {parameters_.manner.modes, parameters_.manner.source, parameters_.planning.get()}) {
+  session_.add(*this);
+}
+
+const Tick& Onboard::step() {
+  const std::uint64_t newest = ticks_;
+  const double age = stick_ ? static_cast<double>(newest - stick_->seen) * model_->profile().tick.period : 0.0;
+  tick_.stale = stick_ && !parameters_.lock_step && age > kFresh;
+  tick_.command = stick_ && !tick_.stale ? stick_->command : Command{};
+  tick_.planning.clear();
+  session_.step(tick_.command);
+  tick_.reading.sequence = ticks_++;
+  return tick_;
+}
+
+void Onboard::on_tick(const TickRecord& record) {
+  tick_.reading.measurement = record.measurement;
+  tick_.target = record.target.q;
+}
+
+}  // namespace baton::link

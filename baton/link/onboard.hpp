@@ -1,0 +1,56 @@
+/// A navigator at the robot's end, so that balance and planning never wait for a network. It follows a driver's
+/// commands while they are fresh; without, the motion under way ends, a foot in the air comes down, and the robot
+/// rests.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "baton/link/message.hpp"
+#include "baton/run/session.hpp"
+
+namespace baton::link {
+
+class Onboard : private Sink {
+ public:
+  struct Parameters {
+    Manner manner{};
+    bool lock_step = true;                 ///< each tick has a command of its own, which is fresh
+    std::unique_ptr<Planning> planning{};  ///< null: synchronous, in `step`
+  };
+
+  /// How long after the newest tick that its driver knew of a command is fresh [s]: it is as old as that tick is.
+  static constexpr double kFresh = 0.5;
+
+  /// Begins with the joints where they are (`engage`). `model`, `world` and `robot` must outlive this object.
+  /// @throws InputError the robot does not stand on both soles
+  Onboard(const RobotModel& model, const World& world, Robot& robot, Parameters parameters);
+
+  /// The stick's newest position. It knows of no tick that has not been.
+  void hear(const StickPosition& stick) { stick_ = stick; }
+  /// There is no driver any more.
+  void let_go() { stick_.reset(); }
+
+  /// Lives through a tick.
+  /// @returns what was done; valid until the next call
+  const Tick& step();
+
+  /// Ticks so far.
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+  /// Whether the stick was too old to be followed in the last of them.
+  [[nodiscard]] bool stale() const { return tick_.stale; }
+  [[nodiscard]] const Session& session() const { return session_; }
+
+ private:
+  void on_tick(const TickRecord& record) override;
+  void on_planning(PlanningEvent event) override { tick_.planning.push_back(event); }
+
+  const RobotModel* model_;
+  Parameters parameters_;
+  Session session_;
+  std::optional<StickPosition> stick_;
+  Tick tick_;
+  std::uint64_t ticks_ = 0;
+};
+
+}  // namespace baton::link

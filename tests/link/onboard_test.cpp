@@ -1,0 +1,302 @@
+#include "baton/link/onboard.hpp"
+
+#include <gmock/gmock.h>
+
+#include "baton/link/echoed_planning.hpp"
+#include "baton/model/error.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/proving/stick.hpp"
+#include "baton/run/simulation.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/served.hpp"
+
+namespace baton::link {
+namespace {
+
+using test::complaint;
+using test::hello;
+using test::Raw;
+using test::refused;
+using test::Served;
+using testing::HasSubstr;
+
+/// A session that lives through what a robot at the other end does.
+class Echo {
+ public:
+  Echo(const RobotModel& model, const Served& served, const Manner& manner = {}) {
+    RemoteRobot::Parameters parameters{served.address(), ""};
+    parameters.manner = manner;
+    auto connected = std::make_unique<RemoteRobot>(model, "flat", parameters);
+    robot = connected.get();
+    planning_ =
+        std::make_unique<EchoedPlanning>(*robot, std::make_unique<DirectPlanning>(model, served.world(), manner.modes));
+    Simulation::Parameters simulation;
+    simulation.session = {manner.modes, manner.source, planning_.get()};
+    simulation_.emplace(model, served.world(), std::move(connected), simulation);
+  }
+  void step(const Command& command) { simulation_->session().step(robot->guide(command)); }
+  [[nodiscard]] const Session& session() const { return simulation_->session(); }
+  [[nodiscard]] const Truth& truth() const { return simulation_->truth(); }
+
+  RemoteRobot* robot = nullptr;
+
+ private:
+  std::unique_ptr<Planning> planning_;
+  std::optional<Simulation> simulation_;
+};
+
+class OnboardTest : public testing::TestWithParam<std::string> {
+ protected:
+  const RobotModel& robot_ = test::robot(GetParam());
+  const Eigen::Index n_ = robot_.nv() - 6;
+  const double period_ = robot_.profile().tick.period;
+
+  [[nodiscard]] int ticks(double time) const { return static_cast<int>(std::lround(time / period_)); }
+  /// Says what a driver says up to the first measurement.
+  void start(Raw& raw) const {
+    raw.send(Type::hello, hello());
+    const Message welcome = raw.answer();
+    ASSERT_EQ(welcome.type, Type::welcome);
+    EXPECT_TRUE(decode_welcome(welcome.body).navigates);
+    raw.send(Type::start, encode(start_of(robot_)));
+    EXPECT_EQ(raw.answer().type, Type::measurement);
+  }
+  [[nodiscard]] Tick tick(const Message& message) const {
+    EXPECT_EQ(message.type, Type::tick);
+    return decode_tick(message.body, n_);
+  }
+  /// A robot that goes on by its own clock, on the plant `real`.
+  [[nodiscard]] std::unique_ptr<Served> in_real_time(int seed) const {
+    return std::make_unique<Served>(robot_, plant_of(true, nullptr, robot_, seed, 1.0), "", Served::Pace::by_test,
+                                    true);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, OnboardTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+TEST_P(OnboardTest, InLockStepARunIsTheSameBitByBitAsWithTheSimulatorInside) {
+  for (const auto& [name, times] :
+       std::vector<std::pair<std::string, double>>{{"push", 2.0}, {"glitches", 2.0}, {"push_fore", 2.5}}) {
+    const Scenario& scenario = scenario_named(name);
+    const Plant plant = plant_of(true, &scenario, robot_, 5, times);
+    Served served(robot_, plant, "", Served::Pace::lock_step, true);
+    Simulation::Parameters parameters;
+    parameters.physics.plant = plant;
+    parameters.session.modes.gait = Gait::stop;  // what the driver asks for counts
+    Simulation here(robot_, served.world(), Simulation::On::sim, parameters);
+    Echo there(robot_, served, {parameters.session.modes, StateSource::sensors});
+    const std::unique_ptr<Device> stick = stick_of(scenario, robot_, 5);
+    while (here.session().t() < 5.0 && !here.session().fallen()) {
+      const Command command = stick->read(here.session().t());
+      here.session().step(command);
+      there.step(command);
+      ASSERT_EQ(here.truth().q, there.truth().q) << name << " at " << here.session().t();
+      ASSERT_EQ(here.truth().sole.left.force, there.truth().sole.left.force);
+      ASSERT_EQ(here.session().navigator().anchor().p, there.session().navigator().anchor().p);
+      ASSERT_EQ(here.session().navigator().committed(), there.session().navigator().committed());
+      ASSERT_EQ(here.session().fallen(), there.session().fallen());
+    }
+    EXPECT_GT(here.session().t(), 0.5);
+    EXPECT_EQ(here.truth().fall, there.truth().fall);
+    EXPECT_EQ(there.robot->stale(), 0);
+  }
+}
+
+TEST_P(OnboardTest, ADriverThatIsGoneAtAnyTimeLeavesARobotThatComesToRestOnBothFeet) {
+  int mid_motion = 0;
+  for (int seed = 0; seed < 6; ++seed) {
+    const auto served = in_real_time(seed);
+    Stick stick(static_cast<std::uint64_t>(seed) + 100, period_);
+    {
+      Raw raw(served->address());
+      start(raw);
+      const int gone = ticks(1.5) + 37 * seed;
+      for (int k = 0; k < gone; ++k) {
+        served->pass(1);
+        EXPECT_EQ(tick(raw.answer()).reading.sequence, static_cast<std::uint64_t>(k));
+        raw.send(Type::command, encode(StickPosition{static_cast<std::uint64_t>(k) + 1, stick.next()}));
+      }
+      served->at_the_robot([&](RobotServer& server) { mid_motion += server.onboard()->session().resting() ? 0 : 1; });
+    }
+    for (int k = 0; k < ticks(6.0) / 15; ++k)
+      served->pass(15);
+    served->at_the_robot([&](RobotServer& server) {
+      EXPECT_EQ(server.state(), RobotServer::State::waiting);
+      const Session& session = server.onboard()->session();
+      EXPECT_TRUE(session.resting());
+      EXPECT_TRUE(session.navigator().sample().contact.left && session.navigator().sample().contact.right);
+      EXPECT_FALSE(served->truth().fallen);
+      EXPECT_GT(served->truth().q[2], 0.7 * robot_.profile().stance.com_height);
+    });
+  }
+  EXPECT_GT(mid_motion, 1);
+}
+
+TEST_P(OnboardTest, AStickCountsForHalfASecondAndAgainWhenItIsFresh) {
+  const auto served = in_real_time(1);
+  Raw raw(served->address());
+  start(raw);
+  Command ahead;
+  ahead.axes[0] = 1.0;
+  std::uint64_t newest = 0;
+  const auto pass = [&](int count, bool sees) {
+    int followed = 0;
+    for (int k = 0; k < count; ++k) {
+      served->pass(1);
+      const Tick seen = tick(raw.answer());
+      EXPECT_EQ(seen.command == ahead, !seen.stale && seen.reading.sequence > 0);
+      followed += seen.command == ahead ? 1 : 0;
+      if (sees) newest = seen.reading.sequence + 1;
+      raw.send(Type::command, encode(StickPosition{newest, ahead}));
+    }
+    return followed;
+  };
+  EXPECT_EQ(pass(ticks(0.8), true), ticks(0.8) - 1);
+  // It goes on to send what it asked for when it knew of that tick.
+  EXPECT_NEAR(pass(ticks(3.0), false), ticks(Onboard::kFresh), 1);
+  EXPECT_THAT(served->log(), HasSubstr("link: the stick's positions are more than 0.5 s old: comes to rest"));
+  served->at_the_robot([](RobotServer& server) { EXPECT_TRUE(server.onboard()->session().resting()); });
+  newest += static_cast<std::uint64_t>(ticks(3.0));
+  EXPECT_GE(pass(ticks(1.0), true), ticks(1.0) - 1);
+  EXPECT_THAT(served->log(), HasSubstr("link: the stick counts again"));
+  served->at_the_robot([](RobotServer& server) { EXPECT_FALSE(server.onboard()->session().resting()); });
+}
+
+TEST_P(OnboardTest, WhatIsOutOfPlaceEndsTheConnectionAndNotTheMotion) {
+  const VecX zero = VecX::Zero(n_);
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {framed(Type::target, encode(Target{0, zero, zero, zero})), "a target: must be a command"},
+      {framed(Type::command, encode(StickPosition{9, {}})), "a command after tick 9: must be at most 3"},
+      {framed(Type::command, "short"), "too short"},
+      {framed(Type::tick, ""), "a message of type 12 from a driver"},
+      {framed(Type::start, encode(start_of(robot_))), "a second start"},
+  };
+  for (const auto& [message, named] : cases) {
+    const auto served = in_real_time(2);
+    Raw raw(served->address());
+    start(raw);
+    served->pass(3);
+    for (int k = 0; k < 3; ++k)
+      (void)tick(raw.answer());
+    raw.send(message);
+    EXPECT_THAT(refused(raw.answer()), HasSubstr(named));
+    EXPECT_TRUE(raw.closed());
+    served->pass(10);
+    served->at_the_robot([&](RobotServer& server) { EXPECT_EQ(server.onboard()->ticks(), 13U); });
+  }
+  Served served(robot_, {}, "", Served::Pace::lock_step, true);
+  Raw raw(served.address());
+  start(raw);
+  raw.send(Type::command, encode(StickPosition{0, {}}));
+  (void)tick(raw.answer());
+  raw.send(Type::command, encode(StickPosition{0, {}}));  // twice
+  EXPECT_THAT(refused(raw.answer()), HasSubstr("a command after tick 0: must be 1"));
+}
+
+TEST_P(OnboardTest, ABareRobotTakesNoCommands) {
+  Served served(robot_);
+  Raw raw(served.address());
+  raw.send(Type::hello, hello());
+  EXPECT_FALSE(decode_welcome(raw.answer().body).navigates);
+  raw.send(Type::start, encode(start_of(robot_)));
+  EXPECT_EQ(raw.answer().type, Type::measurement);
+  raw.send(Type::command, encode(StickPosition{}));
+  EXPECT_THAT(refused(raw.answer()), HasSubstr("a command: must be a target"));
+}
+
+TEST_P(OnboardTest, DampedItsNavigatorGivesUpAndTheNextDriverBeginsAnew) {
+  for (const bool lock_step : {true, false}) {
+    Served served(robot_, {}, "", lock_step ? Served::Pace::lock_step : Served::Pace::by_test, true);
+    Raw raw(served.address());
+    start(raw);
+    std::uint64_t seen = 0;
+    const auto next = [&] {
+      if (!lock_step) served.pass(1);
+      raw.send(Type::command, encode(StickPosition{seen, {}}));
+      return raw.answer();
+    };
+    for (; seen < 20; ++seen)
+      EXPECT_EQ(tick(next()).reading.sequence, seen);
+    damp(served.address(), "");
+    EXPECT_EQ(raw.answer().type, Type::damp);
+    for (int k = 0; k < 400; ++k) {
+      const Message message = next();
+      ASSERT_EQ(message.type, Type::measurement);
+      EXPECT_TRUE(decode_reading(message.body, n_).damped);
+    }
+    served.at_the_robot([&](RobotServer& server) {
+      EXPECT_LT(served.truth().q[2], 0.8 * robot_.profile().stance.com_height);
+      server.arm();
+      EXPECT_EQ(server.onboard(), nullptr);
+    });
+    if (!lock_step) served.pass(100);  // nobody moves it
+    Raw again(served.address());
+    start(again);
+    served.at_the_robot(
+        [&](RobotServer&) { EXPECT_GT(served.truth().q[2], 0.8 * robot_.profile().stance.com_height); });
+  }
+}
+
+TEST_P(OnboardTest, ADriverNoticesThatTheRobotWasDampedOrComesToSomethingElse) {
+  {
+    Served served(robot_, {}, "", Served::Pace::lock_step, true);
+    Echo echo(robot_, served);
+    echo.step(Command{});
+    damp(served.address(), "");
+    EXPECT_THAT(complaint([&] { echo.step(Command{}); }),
+                HasSubstr("the robot was damped: asked for over the network"));
+  }
+  Served served(robot_, {}, "", Served::Pace::lock_step, true);
+  // The session here has other modes than the robot's.
+  RemoteRobot::Parameters parameters{served.address(), ""};
+  auto connected = std::make_unique<RemoteRobot>(robot_, "flat", parameters);
+  RemoteRobot& remote = *connected;
+  EchoedPlanning planning(remote,
+                          std::make_unique<DirectPlanning>(robot_, served.world(),
+                                                           Modes{DurationRule::search, OnLimit::shrink, Gait::stop}));
+  Simulation::Parameters other;
+  other.session.planning = &planning;
+  Simulation simulation(robot_, served.world(), std::move(connected), other);
+  Command ahead;
+  ahead.axes[0] = 0.7;
+  EXPECT_THAT(complaint([&] {
+                for (int k = 0; k < 2000; ++k)
+                  simulation.session().step(remote.guide(ahead));
+              }),
+              testing::AnyOf(HasSubstr("its navigator came to another target than the one here"),
+                             HasSubstr("plans something else than is planned here")));
+}
+
+TEST_P(OnboardTest, ARobotThatDoesNotStandIsRefused) {
+  const World world = World::load("flat");
+  Posture lying = stand(robot_, world.site("start"), robot_.profile().stance.com_height);
+  SimulatedRobot simulated(robot_, world, lying, period_, {});
+  const Measurement first = simulated.read();
+  // One leg drawn up.
+  class Bent : public Robot {
+   public:
+    explicit Bent(Measurement measurement) : measurement_(std::move(measurement)) {}
+    Measurement read() override { return measurement_; }
+    void write(const JointTarget&) override {}
+    void reset() override {}
+
+   private:
+    Measurement measurement_;
+  };
+  Measurement bent = first;
+  bent.q[robot_.leg(Side::left).front()] += 0.6;
+  Bent robot(bent);
+  RobotServer server(robot_, robot, {.listen = {"127.0.0.1", 0}, .world = "flat", .navigates_in = &world});
+  Raw raw(server.address());
+  const auto said = [&](Type type, const std::string& body) {
+    raw.send(type, body);
+    for (int k = 0; k < 50; ++k)
+      server.serve(Socket::Time(1));
+    return raw.answer();
+  };
+  EXPECT_EQ(said(Type::hello, hello()).type, Type::welcome);
+  EXPECT_THAT(refused(said(Type::start, encode(start_of(robot_)))), HasSubstr("posture: "));
+}
+
+}  // namespace
+}  // namespace baton::link
