@@ -210,6 +210,9 @@ void add_soak(CLI::App& command, SoakOptions& o) {
       ->transform(whole(1, 1024));
   command.add_option("--episode", o.episode, "Simulated seconds per episode; default: 120, or the scenario's")
       ->transform(number(0.1, 36000.0));
+  command.add_flag("--link", o.link,
+                   "Drive a robot's end in real time, by a virtual clock, over a connection with faults: --seeds of "
+                   "them, 10 s each unless --episode says otherwise");
   command.add_flag("--resume", o.resume, "Continue the run of the report");
   command.add_flag("--break", o.breaking,
                    "With --scenario: find how many times as large its disturbances may be until one of --seeds "
@@ -391,7 +394,9 @@ int parse_and_run(std::vector<std::string> args) {
   if (operate_command->parsed()) return operate(operate_options);
   if (replay_command->parsed()) return replay(replay_options);
   if (soak_command->parsed()) {
-    return soak_options.physics.scenario ? soak_scenarios(soak_options) : soak(soak_options);
+    return soak_options.link               ? soak_link(soak_options)
+           : soak_options.physics.scenario ? soak_scenarios(soak_options)
+                                           : soak(soak_options);
   }
   return kDone;
 }

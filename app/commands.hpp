@@ -146,6 +146,7 @@ struct SoakOptions {
   std::optional<long> seeds;      ///< number of seeds of a scenario
   std::optional<double> episode;  ///< simulated time per episode [s]
   bool resume = false;
+  bool link = false;                            ///< of a robot's end over a connection with faults
   bool breaking = false;                        ///< look for the breaking points of scenarios
   std::optional<std::filesystem::path> plot;    ///< of breaking points
   std::optional<std::filesystem::path> report;  ///< required unless there is a scenario
@@ -169,5 +170,6 @@ int reproduce(const ReproduceOptions& options);
 int operate(const OperateOptions& options);
 int soak(const SoakOptions& options);
 int soak_scenarios(const SoakOptions& options);
+int soak_link(const SoakOptions& options);
 
 }  // namespace baton::app

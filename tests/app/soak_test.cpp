@@ -35,6 +35,23 @@ void expect_same_end(const std::vector<std::vector<std::string>>& rows, const Ep
     EXPECT_NEAR(std::stod(rows.back()[static_cast<std::size_t>(first + i)]), episode.q[i], 1e-9) << i;
 }
 
+TEST(Soak, ConnectionsWithFaultsAreReportedAndDoNotDependOnJobs) {
+  const Scratch scratch;
+  const auto soak = [&](const char* jobs, const char* file) {
+    return run({"soak", "--link", "--seeds", "3", "--episode", "2", "--jobs", jobs, "--report", scratch.path(file)});
+  };
+  const Outcome one = soak("1", "one.json");
+  EXPECT_EQ(one.code, kDone);
+  EXPECT_THAT(one.out, HasSubstr("3 connections with faults: 0 fell, 0 did not come to rest"));
+  EXPECT_EQ(soak("2", "two.json").out, one.out);
+  const nlohmann::json report = scratch.json("one.json");
+  EXPECT_EQ(report, scratch.json("two.json"));
+  EXPECT_EQ(report["tried"], 3);
+  EXPECT_EQ(report["failures"].size(), 0U);
+  EXPECT_THAT(run({"soak", "--link"}).err, HasSubstr("needs --seeds"));
+  EXPECT_THAT(run({"soak", "--link", "--seeds", "1", "--scenario", "push"}).err, HasSubstr("not --scenario"));
+}
+
 TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {
   const Scratch scratch;
   const auto soak = [&](const std::string& file, const std::string& segments, std::vector<std::string> more = {}) {
