@@ -134,6 +134,10 @@ void add_token(CLI::App& command, std::optional<std::filesystem::path>& file) {
 
 void add_robot(CLI::App& command, RobotOptions& o) {
   command.add_flag("--sim", o.sim, "The simulated robot");
+  command.add_option(
+      "--on", o.on,
+      "tcp://HOST:PORT: a robot there that follows targets; keeps its balance and navigates it from here");
+  command.add_option("--on-token", o.on_token, "File that holds the token of that robot");
   command.add_option("--robot", o.robot, "Robot")->capture_default_str();
   command.add_option("--world", o.world, "World in which it stands")->capture_default_str();
   add_plant(command, o.physics);

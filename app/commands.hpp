@@ -78,6 +78,7 @@ struct DriveOptions {
 
 struct RobotOptions {
   bool sim = false;
+  std::optional<std::string> on;  ///< address of a robot that follows targets
   std::string robot = "mighty";
   std::string world = "room";
   PhysicsOptions physics;
@@ -85,7 +86,8 @@ struct RobotOptions {
   bool real_time = false;  ///< goes on by the clock; else waits for each command or target
   bool targets = false;    ///< follows targets for the joints, without a navigator of its own
   std::string listen = "127.0.0.1:7447";
-  std::optional<std::filesystem::path> token;  ///< file that holds what drivers must know
+  std::optional<std::filesystem::path> token;     ///< file that holds what drivers must know
+  std::optional<std::filesystem::path> on_token;  ///< file that holds what the robot at `on` wants to know
 };
 
 struct DampOptions {

@@ -57,24 +57,48 @@ void obey(const std::string& line, link::RobotServer& server) {
   }
 }
 
+/// The robot that follows targets at `--on`.
+/// @param parameters those that depend on it are set
+/// @throws InputError it navigates by itself, or waits for its targets; it is simulated elsewhere
+std::unique_ptr<Robot> bare_robot(const RobotOptions& o, const RobotModel& model, const World& world,
+                                  link::RobotServer::Parameters& parameters) {
+  check_physics(o.physics, *o.on);
+  if (o.targets) throw InputError("--targets with --on: would only pass targets on; leave one of them out");
+  auto bare = std::make_unique<link::RemoteRobot>(
+      model, world.name(), link::RemoteRobot::Parameters{Address::parse(*o.on), token_in(o.on_token)});
+  if (bare->welcome().navigates)
+    throw InputError(fmt::format("--on {}: that robot navigates by itself: drive it with baton drive", *o.on));
+  if (bare->welcome().lock_step)
+    throw InputError(fmt::format("--on {}: that robot waits for its targets: drive it with baton drive", *o.on));
+  parameters.on = bare->welcome().on;
+  parameters.bare = bare.get();
+  return bare;
+}
+
 }  // namespace
 
 int robot(const RobotOptions& o) {
-  if (!o.sim) throw InputError("robot: --sim is missing: this program has no robot but the simulated one");
+  if (o.sim == o.on.has_value())
+    throw InputError("robot: either --sim, or --on tcp://HOST:PORT: where a robot follows targets");
   const RobotModel model = robot_in(o.physics, o.robot);
   const World world = World::load(o.world);
   const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
-  SimulatedRobot simulated(model, world, start, model.profile().tick.period,
-                           parameters_of(o.physics, model, "sim", o.seed));
-  link::RobotServer server(model, simulated,
-                           {.listen = Address::parse(o.listen),
-                            .token = token_in(o.token),
-                            .on = "sim",
-                            .world = world.name(),
-                            .real_time = o.real_time,
-                            .navigates_in = o.targets ? nullptr : &world,
-                            .planning = [&](Modes modes) { return planner_of(model, world, modes, o.real_time); },
-                            .log = [](const std::string& text) { spdlog::info("{}", text); }});
+  link::RobotServer::Parameters parameters{.listen = Address::parse(o.listen),
+                                           .token = token_in(o.token),
+                                           .world = world.name(),
+                                           .real_time = o.real_time || o.on,
+                                           .navigates_in = o.targets ? nullptr : &world,
+                                           .log = [](const std::string& text) { spdlog::info("{}", text); }};
+  parameters.planning = [&, live = parameters.real_time](Modes modes) { return planner_of(model, world, modes, live); };
+  std::unique_ptr<Robot> robot;
+  if (o.on) {
+    robot = bare_robot(o, model, world, parameters);
+  } else {
+    if (o.on_token) throw InputError("--on-token goes with --on tcp://HOST:PORT");
+    robot = std::make_unique<SimulatedRobot>(model, world, start, model.profile().tick.period,
+                                             parameters_of(o.physics, model, "sim", o.seed));
+  }
+  link::RobotServer server(model, *robot, std::move(parameters));
   fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", model.profile().name,
              world.name(), server.address().text());
   std::fflush(stdout);

@@ -32,8 +32,10 @@ class Onboard : private Sink {
   void let_go() { stick_.reset(); }
 
   /// Lives through a tick.
-  /// @returns what was done; valid until the next call
+  /// @returns what was done: `tick`
   const Tick& step();
+  /// The last tick.
+  [[nodiscard]] const Tick& tick() const { return tick_; }
 
   /// Ticks so far.
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }

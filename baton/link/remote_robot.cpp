@@ -160,6 +160,10 @@ void RemoteRobot::catch_up() {
   }
 }
 
+void RemoteRobot::damp(const std::string& because) {
+  socket_.send(framed(Type::damp, encode_text(because)), kSending);
+}
+
 bool RemoteRobot::take(const Message& message) {
   const Eigen::Index joints = model_->nv() - 6;
   switch (message.type) {

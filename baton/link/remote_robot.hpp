@@ -57,6 +57,10 @@ class RemoteRobot : public Robot {
   /// @throws LinkError as `write`
   void catch_up();
 
+  /// Lets its motors only brake, until somebody at its end arms it again.
+  /// @throws LinkError it is gone
+  void damp(const std::string& because);
+
   [[nodiscard]] const Welcome& welcome() const { return welcome_; }
   /// Whether the robot's motors only brake, and follow nothing.
   [[nodiscard]] bool damped() const { return reading_.damped; }

@@ -72,7 +72,11 @@ void RobotServer::serve(Socket::Time limit) {
     all.push_back({guest.socket.descriptor(), POLLIN, 0});
   if (driver_) all.push_back({driver_->socket.descriptor(), POLLIN, 0});
   std::chrono::nanoseconds wait = more_ ? Socket::Time(0) : limit;
-  if (parameters_.real_time && runs_) wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
+  if (parameters_.bare != nullptr) {
+    wait = runs_ ? 0ns : std::min<std::chrono::nanoseconds>(wait, period());
+  } else if (parameters_.real_time && runs_) {
+    wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
+  }
   const auto seconds = std::chrono::floor<std::chrono::seconds>(wait);
   const timespec longest{seconds.count(), (wait - seconds).count()};
   if (ppoll(all.data(), all.size(), &longest, nullptr) < 0) return;  // by a signal
@@ -200,7 +204,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
   const Start start = decode_start(message.body, model_->nv() - 6);
   if (const std::optional<std::string> why = wrong_servos(start)) return refuse(peer, "servos", *why);
-  robot_->reset();
+  if (parameters_.bare == nullptr) robot_->reset();
   if (parameters_.navigates_in != nullptr) {
     onboard_.reset();
     Onboard::Parameters parameters{start.manner, !parameters_.real_time, nullptr};
@@ -247,7 +251,9 @@ bool RobotServer::guide(Peer& peer, const Message& message) {
                   fmt::format("a command after tick {}: must be {}{}", stick.seen,
                               parameters_.real_time ? "at most " : "", ticks));
   onboard_->hear(stick);
-  if (!parameters_.real_time) advance();
+  if (parameters_.real_time) return true;
+  move();
+  report();
   return true;
 }
 
@@ -263,7 +269,9 @@ void RobotServer::follow(Peer& peer, const Message& message) {
     next_ = target.sequence + 1;
     rejections_ = 0;
   }
-  if (!parameters_.real_time) advance();
+  if (parameters_.real_time) return;
+  move();
+  report();
 }
 
 std::optional<std::string> RobotServer::judge(const Target& target) {
@@ -275,22 +283,27 @@ std::optional<std::string> RobotServer::judge(const Target& target) {
   return check_.reject(target, reading_.measurement.q);
 }
 
-void RobotServer::advance() {
+void RobotServer::move() {
   if (state_ == State::damped) {
     brake();
   } else if (onboard_) {
-    const Tick& tick = onboard_->step();
-    reading_ = tick.reading;
-    tell();
-    if (driver_ && driver_->started) send(*driver_, framed(Type::tick, encode(tick)));
-    return;
+    reading_ = onboard_->step().reading;
+    return tell();
   } else if (!answered()) {
     target_.dq.setZero();  // nothing to follow: it stays where the last good target was
   }
   robot_->write(target_);
   ++reading_.sequence;
   reading_.measurement = robot_->read();
-  if (driver_ && driver_->started) send_reading(*driver_);
+}
+
+void RobotServer::report() {
+  if (!driver_ || !driver_->started) return;
+  if (onboard_ && state_ != State::damped) {
+    send(*driver_, framed(Type::tick, encode(onboard_->tick())));
+  } else {
+    send_reading(*driver_);
+  }
 }
 
 void RobotServer::tell() {
@@ -311,18 +324,37 @@ void RobotServer::brake() {
 }
 
 void RobotServer::advance_if_due() {
+  if (parameters_.bare != nullptr) return advance_bare();
   if (!parameters_.real_time || !runs_) return;
   for (int tick = 0; tick < kMostBehind && parameters_.now() >= due_; ++tick) {
     due_ += period();
-    try {
-      advance();
-    } catch (const LinkError& error) {
-      drop_driver(error.what());
-    }
+    advance();
   }
   if (parameters_.now() < due_) return;
   due_ = parameters_.now() + period();
   parameters_.log("too slow for real time: time was left out");
+}
+
+void RobotServer::advance_bare() {
+  RemoteRobot& bare = *parameters_.bare;
+  if (runs_) {
+    advance();  // up to its next measurement
+  } else {
+    bare.catch_up();
+  }
+  if (bare.damped()) damp("at its own end: " + bare.damped_because());
+  const bool rejects = bare.not_followed_for() > 0.0;
+  if (rejects && !rejects_) parameters_.log("the robot rejects targets: " + bare.rejection());
+  rejects_ = rejects;
+}
+
+void RobotServer::advance() {
+  move();
+  try {
+    report();
+  } catch (const LinkError& error) {
+    drop_driver(error.what());
+  }
 }
 
 RobotServer::Clock::duration RobotServer::period() const {
@@ -365,6 +397,7 @@ void RobotServer::damp(const std::string& because) {
   state_ = State::damped;
   damped_because_ = because;
   parameters_.log("damped: " + because);
+  if (parameters_.bare != nullptr && !parameters_.bare->damped()) parameters_.bare->damp(because);
   if (!driver_) return;
   try {
     driver_->socket.send(framed(Type::damp, encode_text(because)), kAtOnce);
@@ -374,6 +407,8 @@ void RobotServer::damp(const std::string& because) {
 
 void RobotServer::arm() {
   if (state_ != State::damped) return;
+  if (parameters_.bare != nullptr && parameters_.bare->damped())
+    return parameters_.log("not armed: the robot has to be armed at its own end");
   if (driver_) {
     try {
       driver_->socket.send(framed(Type::bye), kAtOnce);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "baton/link/onboard.hpp"
+#include "baton/link/remote_robot.hpp"
 #include "baton/link/target_check.hpp"
 
 namespace baton::link {
@@ -27,11 +28,13 @@ class RobotServer {
     const World* navigates_in = nullptr;
     /// Where it plans then; none, or null: synchronously.
     std::function<std::unique_ptr<Planning>(Modes)> planning{};
+    /// The robot itself, if it follows targets at the other end of a connection of its own: in real time, by its clock.
+    RemoteRobot* bare = nullptr;
     std::function<Clock::time_point()> now = Clock::now;
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
 
-  /// `model`, `robot` and the world must outlive this object. The robot must have a `reset`.
+  /// `model`, `robot` and the world must outlive this object. The robot must have a `reset`, unless it is `bare`.
   /// @throws InputError the address cannot be listened on, or needs a token
   RobotServer(const RobotModel& model, Robot& robot, Parameters parameters);
 
@@ -45,12 +48,13 @@ class RobotServer {
 
   /// Waits for messages, and does what they ask for; in real time, also moves the robot when a tick is over.
   /// @param limit longest wait
+  /// @throws LinkError the robot that is `bare` is gone
   void serve(Socket::Time limit);
 
   /// The motors only brake from now on, whatever a driver says.
   /// @param because one line, for the log and the driver
   void damp(const std::string& because);
-  /// Ends that. Who drove has to begin anew.
+  /// Ends that. Who drove has to begin anew. A robot that is `bare` has to be armed at its own end before.
   void arm();
 
  private:
@@ -80,13 +84,19 @@ class RobotServer {
   /// @returns why the target is not followed
   [[nodiscard]] std::optional<std::string> judge(const Target& target);
   /// Moves the robot by a tick and measures.
-  void advance();
+  void move();
+  /// Tells the driver.
+  /// @throws LinkError it is gone
+  void report();
   void brake();
   /// Logs what the navigator at this end has done in a tick, as far as somebody beside the robot wants to know it.
   void tell();
   [[nodiscard]] Clock::duration period() const;
-  /// By the clock, in real time.
+  /// In real time, by the clock or as the robot says.
   void advance_if_due();
+  /// Moves, and drops a driver that is gone.
+  void advance();
+  void advance_bare();
   void send_reading(Peer& peer);
   /// Truth, if there is any, and a message.
   void send(Peer& peer, const std::string& message);
@@ -106,7 +116,8 @@ class RobotServer {
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
-  bool stale_ = false;  ///< that the stick was has been logged
+  bool stale_ = false;    ///< that the stick was has been logged
+  bool rejects_ = false;  ///< that the robot that is `bare` rejects targets has been logged
   long rejections_ = 0;
   long refusals_ = 0;             ///< not logged yet
   Clock::time_point refused_at_;  ///< of the last one that was logged

@@ -152,11 +152,7 @@ class LinkRun {
     const double end = now_ + kGoneFor;
     for (; now_ < end && result_.fall.empty(); pass()) {
     }
-    if (const Onboard* onboard = server_.onboard()) {
-      const Session& session = onboard->session();
-      result_.rests = result_.fall.empty() && session.resting() && session.navigator().sample().contact.left &&
-                      session.navigator().sample().contact.right;
-    }
+    result_.rests = result_.fall.empty() && rests();
     return std::move(result_);
   }
 
@@ -170,6 +166,13 @@ class LinkRun {
     return std::chrono::duration_cast<RobotServer::Clock::duration>(std::chrono::duration<double>(t));
   }
 
+  /// On both feet; as it began, if no driver has taken over.
+  [[nodiscard]] bool rests() const {
+    if (server_.onboard() == nullptr) return true;
+    const Session& session = server_.onboard()->session();
+    const BySide<bool>& contact = session.navigator().sample().contact;
+    return session.resting() && contact.left && contact.right;
+  }
   void log(const std::string& line) {
     if (line == "a driver has taken over") ++result_.drivers;
     result_.log.push_back(line);

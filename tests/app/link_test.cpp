@@ -112,7 +112,7 @@ TEST(DriveOverALink, WhatOnlyTheOtherEndKnowsIsNotTakenHere) {
   EXPECT_THAT(run({"drive", "--token", "t", "--headless"}).err, HasSubstr("goes with --on tcp://"));
   EXPECT_THAT(run({"drive", "--on", "udp://x:1"}).err, HasSubstr("is not sim, ideal or tcp://HOST:PORT"));
   EXPECT_THAT(run({"drive", "--on", "tcp://x"}).err, HasSubstr("is no address"));
-  EXPECT_THAT(run({"robot"}).err, HasSubstr("--sim is missing"));
+  EXPECT_THAT(run({"robot"}).err, HasSubstr("either --sim, or --on"));
 }
 
 }  // namespace

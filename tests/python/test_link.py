@@ -151,6 +151,41 @@ def test_a_robot_that_takes_targets_alone_is_driven_the_same(tmp_path):
     assert json.loads((tmp_path / "there.json").read_text())["link"]["navigates"] is False
 
 
+def test_a_bare_robot_keeps_its_balance_by_a_robots_end_in_between(tmp_path):
+    token = tmp_path / "token"
+    token.write_text("sesame\n")
+    with simulated("--targets", "--real-time", "--token", token) as bare:
+        between = (BATON, "robot", "--on", bare.address, "--world", "flat", "--listen", "127.0.0.1:0")
+        with pytest.raises(AssertionError, match="a token is needed"):
+            RobotsEnd(*between)
+        with RobotsEnd(*between, "--on-token", token) as end:
+            driver = subprocess.Popen(drive_command(end.address, 60, "--trace", tmp_path / "t.csv"))
+            while not (tmp_path / "t.csv").exists() or ",single_" not in (tmp_path / "t.csv").read_text():
+                assert driver.poll() is None
+            driver.kill()
+            end.await_log("at rest, without a driver")
+            driver.wait()
+            done = drive(end.address, 1, "--report", tmp_path / "report.json")  # it goes on from where it stands
+            assert done.returncode == 0, done.stderr
+            assert json.loads((tmp_path / "report.json").read_text())["falls"] == 0
+            assert subprocess.run([BATON, "damp", end.address], capture_output=True).returncode == 0
+            bare.await_log("damped: asked for by the driver")
+            end.type("a")
+            end.await_log("not armed: the robot has to be armed at its own end")
+            bare.process.kill()
+            assert end.process.wait(timeout=20) == 1
+            assert bare.address in end.process.stderr.read()
+
+
+def test_a_robots_end_takes_only_a_bare_robot_in_real_time():
+    for options, why in [((), "navigates by itself"), (("--targets",), "waits for its targets")]:
+        with simulated(*options) as other:
+            done = subprocess.run([BATON, "robot", "--on", other.address, "--world", "flat"],
+                                  capture_output=True, text=True, timeout=60)  # fmt: skip
+            assert done.returncode == 2
+            assert why in done.stderr
+
+
 def test_a_second_driver_is_refused():
     with simulated() as end:
         first = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE)
