@@ -113,7 +113,7 @@ int drive(const DriveOptions& o) {
   std::optional<View> view;
   if (!o.headless && !o.fast) {
     try {
-      view.emplace(simulation, o.port);
+      view.emplace(simulation, o.port, remote.has_value());
     } catch (const InputError& error) {
       throw InputError(fmt::format("--port {}: {}", o.port, error.what()));
     }
@@ -148,6 +148,7 @@ int drive(const DriveOptions& o) {
       began = now;
     }
     if (!step(stopping ? Command{} : engaging() ? kHome : inputs.decide(session.view()))) break;
+    if (view && view->damp_asked() && remote) remote->damp("by the page");
     refusals.look(session.navigator());
     if (view) view->show(simulation, inputs.status(), refusals);
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());

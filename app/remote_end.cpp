@@ -85,6 +85,15 @@ bool RemoteEnd::step(Session& session, const Command& command) {
   return broken_.empty();
 }
 
+void RemoteEnd::damp(const std::string& because) {
+  if (std::exchange(damped_, true)) return;
+  try {
+    remote_->damp(because);
+  } catch (const LinkError& error) {
+    spdlog::error("{}: not damped: {}", address_, error.what());
+  }
+}
+
 void RemoteEnd::look_engaged(const Session& session) {
   rested_ = session.resting() ? rested_ + 1 : 0;
   engaging_ = static_cast<double>(rested_) * model_->profile().tick.period < kSettled;

@@ -37,6 +37,8 @@ class RemoteEnd {
   /// One tick of the session.
   /// @returns whether the robot still follows
   [[nodiscard]] bool step(Session& session, const Command& command);
+  /// Lets the robot's motors only brake; the next step finds that it follows no longer.
+  void damp(const std::string& because);
   /// Why it follows no longer; "": it does.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
@@ -55,6 +57,7 @@ class RemoteEnd {
   long rested_ = 0;  ///< ticks, while engaging
   long told_ = 0;    ///< rejected targets at the last warning
   bool stale_ = false;
+  bool damped_ = false;  ///< that has been asked for
   std::string broken_;
 };
 

@@ -54,8 +54,9 @@ std::string heat_message(const Session& session) {
                      1e2 * hottest.total);
 }
 
-View::View(const Simulation& simulation, int port)
-    : scene_(compile_text(simulation.model_text(), "scene")),
+View::View(const Simulation& simulation, int port, bool damps)
+    : damps_(damps),
+      scene_(compile_text(simulation.model_text(), "scene")),
       data_(mj_makeData(scene_.get())),
       cockpit_(
           [&] {
@@ -111,6 +112,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   frame.refusals = refusals.count();
   frame.stuck = refusals.stuck();
   frame.activity = activity(nav, session.fallen());
+  frame.damps = damps_;
   if (!nav.disturbed()) {
     steady_ = session.t();
     caught_ = nav.caught();

@@ -11,8 +11,9 @@ namespace baton::app {
 
 class View {
  public:
+  /// @param damps whether the page has a key that damps the robot
   /// @throws InputError the port is in use
-  View(const Simulation& simulation, int port);
+  View(const Simulation& simulation, int port, bool damps);
 
   [[nodiscard]] std::string url() const { return cockpit_.url(); }
   [[nodiscard]] Device& device() { return cockpit_.device(); }
@@ -20,10 +21,14 @@ class View {
   /// Number of open pages.
   [[nodiscard]] std::size_t pages() const { return cockpit_.pages(); }
 
+  /// Whether a page has asked for the motors to only brake.
+  [[nodiscard]] bool damp_asked() const { return cockpit_.damp_asked(); }
+
   /// Publishes the current state, at most 30 times per second of run time.
   void show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals);
 
  private:
+  bool damps_;
   ModelPtr scene_;
   DataPtr data_;
   Cockpit cockpit_;

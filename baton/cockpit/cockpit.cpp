@@ -121,6 +121,7 @@ class Cockpit::Server {
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] std::string url() const { return fmt::format("http://{}:{}/", parameters_.host, port_); }
   [[nodiscard]] PageDevice& device() { return device_; }
+  [[nodiscard]] bool damp_asked() const { return damp_asked_; }
   [[nodiscard]] std::size_t pages();
 
   void publish(Frame frame) {
@@ -162,6 +163,7 @@ class Cockpit::Server {
   PageDevice device_;
   std::string start_error_;  ///< civetweb's first message during start
   std::atomic<bool> listening_{false};
+  std::atomic<bool> damp_asked_{false};
 
   std::mutex frame_mutex_;
   std::condition_variable frame_came_;
@@ -301,6 +303,8 @@ bool Cockpit::Server::hear(const mg_connection* connection, int bits, std::strin
     if (!device_.take(page->number)) complain(*page, "another page drives; this one watches");
   } else if (std::holds_alternative<LeaveSeat>(message)) {
     device_.release(page->number);
+  } else if (std::holds_alternative<AskDamp>(message)) {
+    damp_asked_ = true;
   } else if (const auto* steer = std::get_if<Steer>(&message)) {
     if (!device_.give(page->number, steer->command, steer->deadman)) complain(*page, "this page does not drive");
   } else {
@@ -389,6 +393,9 @@ std::size_t Cockpit::pages() const {
 }
 void Cockpit::publish(Frame frame) {
   server_->publish(std::move(frame));
+}
+bool Cockpit::damp_asked() const {
+  return server_->damp_asked();
 }
 Device& Cockpit::device() {
   return server_->device();

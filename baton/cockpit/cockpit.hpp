@@ -46,6 +46,9 @@ class Cockpit {
   /// Publishes the newest frame; replaces one not sent yet. Does not wait for pages. Call from one thread.
   void publish(Frame frame);
 
+  /// Whether any page, driving or not, has asked for the motors to only brake.
+  [[nodiscard]] bool damp_asked() const;
+
   /// The driver's stick; can be read by any thread.
   [[nodiscard]] Device& device();
 

@@ -74,6 +74,7 @@ struct Frame {
   std::optional<Refusal> refusal;  ///< the newest
   int refusals = 0;                ///< number of refusals since the start; tells new from old
   std::optional<Stuck> stuck;
+  bool damps = false;   ///< whether the robot can be damped: its motors only brake then
   std::string message;  ///< one sentence for the operator; may be empty
 };
 

@@ -128,6 +128,7 @@ PageMessage parse_page_message(std::string_view text) {
   const std::string& name = type->get_ref<const std::string&>();
   if (name == "drive") return TakeSeat{};
   if (name == "release") return LeaveSeat{};
+  if (name == "damp") return AskDamp{};
   if (name == "command") return parse_command(message);
   return Malformed{"unknown type of message"};
 }
@@ -166,6 +167,7 @@ std::string state_message(const Frame& frame, const DeviceStatus& device, const 
       {"stuck", frame.stuck ? stuck(*frame.stuck) : json(nullptr)},
       {"limit", frame.segment.limit ? refusal(*frame.segment.limit) : json(nullptr)},
       {"history", frame.history},
+      {"damps", frame.damps},
       {"message", frame.message}};
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }

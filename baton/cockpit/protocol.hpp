@@ -14,6 +14,8 @@ namespace baton {
 /// A page requests or releases the driver's seat.
 struct TakeSeat {};
 struct LeaveSeat {};
+/// A page lets the motors only brake.
+struct AskDamp {};
 /// A page moves the stick.
 struct Steer {
   Command command;  ///< unchecked: may be out of range or NaN
@@ -23,7 +25,7 @@ struct Steer {
 struct Malformed {
   std::string why;
 };
-using PageMessage = std::variant<TakeSeat, LeaveSeat, Steer, Malformed>;
+using PageMessage = std::variant<TakeSeat, LeaveSeat, AskDamp, Steer, Malformed>;
 
 inline constexpr std::size_t kLargestMessage = 4096;  ///< longest message from a page [bytes]
 

@@ -35,7 +35,7 @@ class ViewTest : public testing::Test {
   const World world_ = World::load("flat");
   Simulation simulation_{test::robot("mighty"), world_, Simulation::On::ideal};
   Session& session_ = simulation_.session();
-  app::View view_{simulation_, 0};
+  app::View view_{simulation_, 0, false};
   app::Refusals refusals_;
 };
 

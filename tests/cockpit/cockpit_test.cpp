@@ -377,6 +377,19 @@ TEST_F(CockpitTest, WhatIsNotANumberIsCentred) {
   EXPECT_EQ(command.lift.right, 1.0);
 }
 
+TEST_F(CockpitTest, AnyPageMayDampWhoeverDrives) {
+  Browser driver(port_);
+  driver.say(R"({"type":"drive"})");
+  driver.steer({});
+  Browser watcher(port_);
+  EXPECT_FALSE(cockpit_.damp_asked());
+  EXPECT_NE(watcher.error_after(R"({"type":"damp!"})"), "");
+  EXPECT_FALSE(cockpit_.damp_asked());
+  watcher.say(R"({"type":"damp"})");
+  EXPECT_NE(watcher.error_after("{}"), "");  // it has been heard by then
+  EXPECT_TRUE(cockpit_.damp_asked());
+}
+
 TEST_F(CockpitTest, ComplainsAboutMalformedMessages) {
   Browser page(port_);
   page.say(R"({"type":"drive"})");

@@ -33,6 +33,7 @@ export interface Actions {
   toggleFollow(): void;
   letGo(): void;
   moved(): void; // the stick was moved by a button
+  damp(): void;
 }
 
 export class Hud {
@@ -71,6 +72,7 @@ export class Hud {
     this.onClick('take', actions.takeOrLeave);
     this.onClick('follow', actions.toggleFollow);
     this.onClick('help-button', () => this.toggleHelp());
+    this.onClick('damp', actions.damp);
     const shown = { support: 'support polygon', com: 'COM', zmp: 'ZMP', dcm: 'DCM', goal: 'goal' };
     for (const [key, name] of Object.entries(shown)) {
       const item = element('legend').appendChild(document.createElement('li'));
@@ -155,6 +157,8 @@ export class Hud {
     const hint = fallen ? 'The run is over. The program ends when the page is closed.' : state.device.hint;
     note('hint', !fallen && state.device.armed ? '' : hint);
     note('message', state.message);
+    element('damp').hidden = !state.damps;
+    element('damp-key').hidden = !state.damps;
     element('message').classList.toggle('fallen', fallen);
     this.wayBack(state, drives ? this.stick.recall() : 'none');
     this.limited(state, now);

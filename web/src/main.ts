@@ -26,7 +26,13 @@ const hud = new Hud(stick, {
   toggleFollow,
   letGo,
   moved: () => send(false),
+  damp,
 });
+
+/** Whoever sees the robot may let its motors only brake, whoever drives. */
+function damp(): void {
+  if (state?.damps) link.send({ type: 'damp' });
+}
 
 function toggleFollow(): void {
   if (!view) return;
@@ -76,6 +82,7 @@ addEventListener(
   'keydown',
   (event) => {
     if (event.code === 'Space') return stopKey(event);
+    if (event.code === 'KeyX' && event.shiftKey && !event.ctrlKey && !event.metaKey && !event.altKey) return damp();
     if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // browser shortcuts
     const help = event.key === '?' || event.code === 'Slash';
     if (document.querySelector('dialog[open]') && !help) return;

@@ -84,6 +84,7 @@ export interface State {
   refusals: number;
   stuck: Stuck | null;
   message: string;
+  damps: boolean; // the robot can be damped: its motors only brake then
 }
 
 export interface Geom {
