@@ -10,7 +10,9 @@
 #include "app/options.hpp"
 #include "app/outputs.hpp"
 #include "app/soak.hpp"
+#include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 #include "baton/proving/episode_pool.hpp"
 #include "baton/record/output_file.hpp"
 #include "baton/record/plot.hpp"
@@ -186,11 +188,43 @@ Breaking breaking_point(const Scenario& scenario, const Row& at_one, Rows& rows)
   return found;
 }
 
-void print(const Row& row, const Breaking& breaking) {
-  fmt::print("{:13}  {:>4}/{:<4}  {:4.0f}%  {:>8}  {:4.0f}%  {:>8}\n", row.name, row.tried - row.fell, row.tried,
-             moved_percent(row), fmt::format("x {:.3g}", breaking.holds), breaking.moved,
+Json json_of(const Breaking& breaking) {
+  return {{"holds", breaking.holds},
+          {"moved_percent", breaking.moved},
+          {"breaks", breaking.breaks ? Json(*breaking.breaks) : Json()}};
+}
+
+/// @param row of factor 1, and its breaking point, as in the report
+/// @returns the breaking point
+/// @throws InputError it is no such row
+Breaking print_breaking(const std::string& name, const JsonReader& row) {
+  const JsonReader point = row.at("breaking");
+  Breaking breaking{point.at("holds").number(), point.at("moved_percent").number(), std::nullopt};
+  if (!point.at("breaks").json().is_null()) breaking.breaks = point.at("breaks").number();
+  const double given = row.at("commands").at("given").number();
+  const double moved = row.at("commands").at("moved").number();
+  fmt::print("{:13}  {:>4}/{:<4}  {:4.0f}%  {:>8}  {:4.0f}%  {:>8}\n", name, row.at("survived").number(),
+             row.at("tried").number(), given > 0.0 ? 100.0 * moved / given : 0.0,
+             fmt::format("x {:.3g}", breaking.holds), breaking.moved,
              breaking.breaks ? fmt::format("x {:.3g}", *breaking.breaks) : "-");
   std::fflush(stdout);
+  return breaking;
+}
+
+/// The rows of breaking points that the report has already.
+/// @param head settings
+/// @throws InputError it is no such report, or one with other settings
+Json rows_before(const SoakOptions& o, const Json& head) {
+  std::error_code ignored;
+  if (!o.resume || !std::filesystem::exists(*o.report, ignored)) return Json::object();
+  const std::string place = fmt::format("--resume {}", o.report->string());
+  Json old = parse_json(read_input(*o.report, "--resume"), place);
+  const JsonReader read(old, place);
+  for (const auto& [key, value] : head.items()) {
+    if (read.at(key.c_str()).json() != value)
+      throw InputError(fmt::format("{}: {} is {} in the file and {} here", place, key, shown(old[key]), value.dump()));
+  }
+  return old.value("scenarios", Json::object());
 }
 
 /// A bar from nothing to what each scenario holds, and on to where it breaks, on a scale of doublings.
@@ -241,8 +275,10 @@ SoakOptions completed(SoakOptions o) {
   }
   if (!o.seeds) throw InputError("soak --scenario needs --seeds: the number of episodes");
   if (o.plot && !o.breaking) throw InputError("--plot goes with --break");
-  if (o.segments || o.hours || o.resume)
-    throw InputError("soak --scenario takes --seeds, not --segments, --hours or --resume");
+  if (o.segments || o.hours) throw InputError("soak --scenario takes --seeds, not --segments or --hours");
+  if (o.resume && !(o.breaking && o.report))
+    throw InputError(
+        "--resume of scenarios goes with --break and --report: its rows are those that are not done again");
   return o;
 }
 
@@ -260,6 +296,11 @@ int soak_scenarios(const SoakOptions& given) {
                  {"times", o.physics.times},
                  {"answer_delay_ms", o.answers.delay_ms},
                  {"answer_loss", o.answers.loss}};
+  if (o.breaking) {
+    report["seeds"] = *o.seeds;
+    report["episode_s"] = *o.episode;
+  }
+  const Json before = rows_before(o, report);
   bool fell = false;
   Rows rows(o, world);
   std::vector<std::pair<std::string, Breaking>> all;
@@ -270,27 +311,35 @@ int soak_scenarios(const SoakOptions& given) {
     print_head();
   }
   for (const Scenario& scenario : chosen) {
-    const Row row = rows.run(scenario, o.physics.times, false);
-    report["scenarios"][row.name] = row.json(scenario);
-    if (o.breaking) {
-      const Breaking breaking = breaking_point(scenario, row, rows);
-      if (interrupted) break;
-      print(row, breaking);
-      report["scenarios"][row.name]["breaking"] = {{"holds", breaking.holds},
-                                                   {"moved_percent", breaking.moved},
-                                                   {"breaks", breaking.breaks ? Json(*breaking.breaks) : Json()}};
-      all.emplace_back(row.name, breaking);
-      if (o.plot) plot_breaking(*o.plot, all);
+    const std::string name(scenario.name);
+    Json& entry = report["scenarios"][name];
+    if (before.contains(name)) {
+      entry = before.at(name);
     } else {
-      print(row);
-      fell = fell || row.fell > 0;
-      if (scenario.driving == Driving::shift) {
-        fmt::print("{:13}  COM height changes from first to last rest by at most {:.2f} mm\n", "", 1e3 * row.drift);
+      const Row row = rows.run(scenario, o.physics.times, false);
+      entry = row.json(scenario);
+      fell = fell || (!o.breaking && row.fell > 0);
+      if (o.breaking) {
+        const Breaking breaking = breaking_point(scenario, row, rows);
+        if (interrupted) {
+          report["scenarios"].erase(name);
+          break;
+        }
+        entry["breaking"] = json_of(breaking);
+      } else {
+        print(row);
+        if (scenario.driving == Driving::shift)
+          fmt::print("{:13}  COM height changes from first to last rest by at most {:.2f} mm\n", "", 1e3 * row.drift);
       }
+    }
+    if (o.breaking) {
+      all.emplace_back(name, print_breaking(name, JsonReader(entry, fmt::format("scenario {}", name))));
+      if (o.plot) plot_breaking(*o.plot, all);
     }
     if (o.report) write_whole(*o.report, "--report", report.dump(2) + '\n');
     if (interrupted) break;
   }
+  if (interrupted && o.breaking && o.report) fmt::print("interrupted; continue with --resume\n");
   return fell ? kFallen : interrupted ? kFailed : kDone;
 }
 

@@ -251,6 +251,21 @@ TEST(Soak, FindsHowLargeADisturbanceMayBe) {
   EXPECT_FALSE(fell(holds));
   EXPECT_TRUE(fell(breaks));
   EXPECT_THAT(read_input(scratch.path("b.svg"), "--plot"), HasSubstr("push_stand"));
+  // What the report has already is not done again.
+  nlohmann::json report = scratch.json("r.json");
+  report["scenarios"]["push_stand"]["breaking"]["holds"] = 1.25;
+  scratch.write("r.json", report.dump());
+  const std::vector<std::string> resumed{"soak",     "--scenario", "push_stand",          "--break",
+                                         "--seeds",  "2",          "--episode",           "4",
+                                         "--resume", "--report",   scratch.path("r.json")};
+  EXPECT_THAT(run(resumed).out, HasSubstr("x 1.25"));
+  EXPECT_EQ(scratch.json("r.json"), report);
+  std::vector<std::string> other = resumed;
+  other[7] = "5";
+  EXPECT_THAT(run(other).err, HasSubstr("episode_s is 4.0 in the file and 5.0 here"));
+  report["scenarios"]["push_stand"].erase("breaking");
+  scratch.write("r.json", report.dump());
+  EXPECT_THAT(run(resumed).err, HasSubstr("scenario push_stand: breaking is missing"));
 }
 
 TEST(Soak, TheRealPlantIsDrawnBySeedAndComesUnderAnyScenario) {
@@ -280,6 +295,7 @@ TEST(Soak, WhatCannotBeScaledOrHasNoPhysicsIsRefused) {
       {{"soak", "--scenario", "mass", "--break", "--times", "2"}, "--break looks for --times itself"},
       {{"soak", "--scenario", "mass", "--seeds", "1", "--plot", "b.svg"}, "--plot goes with --break"},
       {{"soak", "--segments", "5", "--report", "r.json", "--break"}, "go with --scenario"},
+      {{"soak", "--scenario", "mass", "--seeds", "1", "--resume"}, "--resume of scenarios goes with --break"},
       {{"soak", "--segments", "5", "--report", "r.json", "--plant", "real"}, "--plant real with --on ideal"},
       {{"drive", "--on", "ideal", "--plant", "real", "--fast", "--seconds", "1"}, "--plant real with --on ideal"},
       {{"drive", "--plant", "imaginary", "--fast", "--seconds", "1"}, "--plant"},
