@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace baton {
 namespace {
@@ -42,6 +43,7 @@ constexpr double kDamping = 1e-6;      ///< added to half of the squared error [
 constexpr int kMaxSteps = 4;           ///< iterations
 constexpr double kMaxJointStep = 0.3;  ///< in one iteration; near a straight leg it would be arbitrary [rad]
 constexpr double kConverged = 1e-6;    ///< error at which it ends [m, rad]
+constexpr double kLastStep = 1e-4;     ///< error from which one iteration leads there: its square is less than that
 
 /// Stiffness of the stiffer ankle's servo [N·m/rad].
 double ankle_stiffness(const RobotModel& robot) {
@@ -49,6 +51,16 @@ double ankle_stiffness(const RobotModel& robot) {
   for (const Side side : kSides)
     stiffness = std::max(stiffness, robot.joints()[static_cast<std::size_t>(robot.leg(side).back())].gains.kp);
   return stiffness;
+}
+
+/// The bodies from the root to the feet, each after its parent.
+std::vector<int> leg_links(const RobotModel& robot) {
+  std::set<int> links;
+  for (const Side side : kSides) {
+    for (int body = robot.foot_body(side); body > 1; body = robot.mj().body_parentid[body])
+      links.insert(body);
+  }
+  return {links.begin(), links.end()};
 }
 
 }  // namespace
@@ -62,7 +74,8 @@ Footing::Footing(const RobotModel& robot)
       ankle_kp_(ankle_stiffness(robot) / (weight_ * height_)),
       softness_(std::min(1.0, kStiffServo / ankle_kp_)),
       ground_(period_),
-      rows_(6, robot.nv()),
+      legs_(leg_links(robot)),
+      columns_(6, static_cast<Eigen::Index>(std::max(robot.leg(Side::left).size(), robot.leg(Side::right).size()))),
       shift_(VecX::Zero(robot.nv() - 6)),
       shifted_(VecX::Zero(robot.nv() + 1)) {}
 
@@ -176,7 +189,7 @@ void Footing::apply(Kinematics& kinematics, const VecX& q, VecX& joints) {
     shifted_[7 + j] = within_range(j, q[7 + j], q[7 + j] + shift_[j]);
   bool there = false;
   for (int step = 0; step < kMaxSteps && !there; ++step) {
-    kinematics.set(shifted_);
+    kinematics.set_links(shifted_, legs_);
     there = true;
     for (const Side side : kSides)
       there = step_towards(side, goal[side], kinematics, q) && there;
@@ -190,22 +203,27 @@ bool Footing::step_towards(Side side, const Pose& goal, const Kinematics& kinema
   Vec6 error;
   error << goal.p - sole.p, rotation_error(goal.R, sole.R);
   if (error.norm() < kConverged) return true;
-  kinematics.sole_jacobian(side, rows_);
+  const std::vector<int>& leg = robot_->leg(side);
+  const auto n = static_cast<Eigen::Index>(leg.size());
   Eigen::Matrix<double, 6, 6> gram = (kDamping + 0.5 * error.squaredNorm()) * Eigen::Matrix<double, 6, 6>::Identity();
-  for (const int j : robot_->leg(side)) {
-    const Vec6 column = rows_.col(6 + j);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Kinematics::Axis& axis = kinematics.dof_axis(6 + leg[static_cast<std::size_t>(i)]);
+    Vec6 column;
+    column << axis.direction.cross(sole.p - axis.point), axis.direction;
     gram.noalias() += column * column.transpose();
+    columns_.col(i) = column;
   }
   const Vec6 along = gram.ldlt().solve(error);
   double farthest = 0.0;
-  for (const int j : robot_->leg(side))
-    farthest = std::max(farthest, std::abs(rows_.col(6 + j).dot(along)));
+  for (Eigen::Index i = 0; i < n; ++i)
+    farthest = std::max(farthest, std::abs(columns_.col(i).dot(along)));
   const double share = std::min(1.0, kMaxJointStep / farthest);
-  for (const int j : robot_->leg(side)) {
-    const double angle = shifted_[7 + j] + share * rows_.col(6 + j).dot(along);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int j = leg[static_cast<std::size_t>(i)];
+    const double angle = shifted_[7 + j] + share * columns_.col(i).dot(along);
     shifted_[7 + j] = within_range(j, q[7 + j], angle);
   }
-  return false;
+  return error.norm() < kLastStep;
 }
 
 double Footing::within_range(int j, double planned, double angle) const {

@@ -31,6 +31,10 @@ class Odometry {
   [[nodiscard]] const BySide<double>& load() const { return contact_.load(); }
   /// Error bound of the position, proportional to the distance walked [m].
   [[nodiscard]] double uncertainty() const;
+  /// The joints and the root's attitude as they were estimated, the root at the origin; null with `perfect`.
+  [[nodiscard]] const Kinematics* kinematics() const {
+    return source_ == StateSource::perfect ? nullptr : &kinematics_;
+  }
   /// Whether a sole is in contact.
   [[nodiscard]] const BySide<bool>& touch() const { return contact_.touch(); }
 

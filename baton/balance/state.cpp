@@ -9,7 +9,7 @@ Estimator::Estimator(const RobotModel& robot)
   state_.q = VecX::Zero(robot.nq());
 }
 
-const State& Estimator::update(const Measurement& measurement, const Pose& anchor) {
+const State& Estimator::update(const Measurement& measurement, const Pose& anchor, const Kinematics* known) {
   if (!measurement.root) throw std::invalid_argument("Estimator: the measurement has no root pose");
   state_.age = measurement.age;
   const Pose to_plan = anchor.inverse();
@@ -18,7 +18,11 @@ const State& Estimator::update(const Measurement& measurement, const Pose& ancho
   dq_.head<3>() = to_plan.R * measurement.root->velocity;
   dq_.segment<3>(3) = measurement.root->rate;
   dq_.tail(robot_->nv() - 6) = measurement.dq;
-  kinematics_.set(state_.q);
+  if (known != nullptr) {
+    kinematics_.set_moved(*known, to_plan * Pose{measurement.root->pose.p, Mat3::Identity()}, state_.q);
+  } else {
+    kinematics_.set(state_.q);
+  }
   state_.com = kinematics_.com();
   kinematics_.com_jacobian(jacobian_);
   state_.dcom.noalias() = jacobian_ * dq_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "baton/balance/measurement.hpp"
+#include "baton/model/kinematics.hpp"
 #include "baton/motion/motion.hpp"
 
 namespace baton {
@@ -28,8 +29,10 @@ class Estimator {
 
   /// Updates the state by forward kinematics from the measured root.
   /// @param anchor planning frame in the world
+  /// @param known the same joints and attitude of the root, which is at the origin; null: not known
   /// @throws std::invalid_argument the measurement has no root pose (`Odometry` adds one)
-  [[nodiscard]] const State& update(const Measurement& measurement, const Pose& anchor);
+  [[nodiscard]] const State& update(const Measurement& measurement, const Pose& anchor,
+                                    const Kinematics* known = nullptr);
 
  private:
   const RobotModel* robot_;

@@ -40,6 +40,8 @@ Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeD
   link_.resize(fixed_rotation_.size());
   subtree_.resize(fixed_rotation_.size());
   carried_.resize(fixed_rotation_.size());
+  carried_by_.resize(fixed_rotation_.size());
+  link_inertia_.resize(fixed_rotation_.size());
   axis_.resize(static_cast<std::size_t>(m.nv));
 }
 
@@ -49,25 +51,43 @@ void Kinematics::set(const VecX& q) {
   link_[1] = {q.head<3>(), Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized().toRotationMatrix()};
   for (int k = 0; k < 3; ++k)
     axis_[static_cast<std::size_t>(3 + k)] = {link_[1].R.col(k), link_[1].p};
-  for (int b = 2; b < m.nbody; ++b) {
-    const auto i = static_cast<std::size_t>(b);
-    const Pose& parent = link_[static_cast<std::size_t>(m.body_parentid[b])];
-    Mat3 R = parent.R;
-    Vec3 p = parent.p + R.lazyProduct(vec3(m.body_pos + 3 * b));
-    if (fixed_rotation_[i]) R *= *fixed_rotation_[i];
-    for (int j = m.body_jntadr[b]; j < m.body_jntadr[b] + m.body_jntnum[b]; ++j) {
-      const auto direction = vec3(m.jnt_axis + 3 * j);
-      const auto anchor = vec3(m.jnt_pos + 3 * j);
-      const bool off_centre = !anchor.isZero(0.0);
-      if (off_centre) p += R * anchor;
-      axis_[static_cast<std::size_t>(m.jnt_dofadr[j])] = {R.lazyProduct(direction), p};
-      const double angle = q[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
-      turn(R, direction, angle);
-      if (off_centre) p -= R * anchor;
-    }
-    link_[i] = {p, R};
+  for (int b = 2; b < m.nbody; ++b)
+    place(b, q);
+  subtrees_valid_ = mujoco_valid_ = inertias_valid_ = false;
+}
+
+void Kinematics::set_moved(const Kinematics& other, const Pose& by, const VecX& q) {
+  q_ = q;
+  for (std::size_t i = 1; i < link_.size(); ++i)
+    link_[i] = by * other.link_[i];
+  for (std::size_t i = 3; i < axis_.size(); ++i)
+    axis_[i] = {by.R * other.axis_[i].direction, by * other.axis_[i].point};
+  subtrees_valid_ = mujoco_valid_ = inertias_valid_ = false;
+}
+
+void Kinematics::set_links(const VecX& q, const std::vector<int>& links) {
+  for (const int b : links)
+    place(b, q);
+}
+
+void Kinematics::place(int id, const VecX& q) {
+  const mjModel& m = robot_->mj();
+  const auto i = static_cast<std::size_t>(id);
+  const Pose& parent = link_[static_cast<std::size_t>(m.body_parentid[id])];
+  Mat3 R = parent.R;
+  Vec3 p = parent.p + R.lazyProduct(vec3(m.body_pos + 3 * id));
+  if (fixed_rotation_[i]) R *= *fixed_rotation_[i];
+  for (int j = m.body_jntadr[id]; j < m.body_jntadr[id] + m.body_jntnum[id]; ++j) {
+    const auto direction = vec3(m.jnt_axis + 3 * j);
+    const auto anchor = vec3(m.jnt_pos + 3 * j);
+    const bool off_centre = !anchor.isZero(0.0);
+    if (off_centre) p += R * anchor;
+    axis_[static_cast<std::size_t>(m.jnt_dofadr[j])] = {R.lazyProduct(direction), p};
+    const double angle = q[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
+    turn(R, direction, angle);
+    if (off_centre) p -= R * anchor;
   }
-  subtrees_valid_ = mujoco_valid_ = false;
+  link_[i] = {p, R};
 }
 
 void Kinematics::sum_subtrees() const {
@@ -105,25 +125,37 @@ Mat3 Kinematics::inertia() const {
   return sum;
 }
 
-Mat3 Kinematics::link_inertia(int id) const {
-  const Mat3 axes = body(id).R * inertia_axes_[static_cast<std::size_t>(id)];
-  return axes * vec3(robot_->mj().body_inertia + 3 * id).asDiagonal() * axes.transpose();
+const Mat3& Kinematics::link_inertia(int id) const {
+  if (!std::exchange(inertias_valid_, true)) {
+    for (int b = 1; b < robot_->mj().nbody; ++b) {
+      const auto i = static_cast<std::size_t>(b);
+      const Mat3 axes = link_[i].R * inertia_axes_[i];
+      link_inertia_[i] = axes * vec3(robot_->mj().body_inertia + 3 * b).asDiagonal() * axes.transpose();
+    }
+  }
+  return link_inertia_[static_cast<std::size_t>(id)];
 }
 
 void Kinematics::add_rigid_acceleration(const Vec3& acceleration, const Vec3& angular, const std::vector<int>& joints,
                                         VecX& torque) {
   const mjModel& m = robot_->mj();
   const Vec3 root = body(1).p;
-  for (int b = 1; b < m.nbody; ++b) {
+  for (const int j : joints)
+    carried_by_[static_cast<std::size_t>(m.dof_bodyid[6 + j])] = true;
+  for (int b = 2; b < m.nbody; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    carried_by_[i] = carried_by_[i] || carried_by_[static_cast<std::size_t>(m.body_parentid[b])];
+    if (!carried_by_[i]) continue;
     const Vec3 at = body(b) * vec3(m.body_ipos + 3 * b) - root;
     const Vec3 force = m.body_mass[b] * (acceleration + angular.cross(at));
-    carried_[static_cast<std::size_t>(b)] = {force, link_inertia(b) * angular + at.cross(force)};
+    carried_[i] = {force, link_inertia(b) * angular + at.cross(force)};
   }
   for (int b = m.nbody - 1; b > 1; --b) {
-    const Carried& link = carried_[static_cast<std::size_t>(b)];
-    Carried& parent = carried_[static_cast<std::size_t>(m.body_parentid[b])];
-    parent.force += link.force;
-    parent.moment += link.moment;
+    const auto parent = static_cast<std::size_t>(m.body_parentid[b]);
+    const bool carried = std::exchange(carried_by_[static_cast<std::size_t>(b)], false);
+    if (!carried || !carried_by_[parent]) continue;
+    carried_[parent].force += carried_[static_cast<std::size_t>(b)].force;
+    carried_[parent].moment += carried_[static_cast<std::size_t>(b)].moment;
   }
   for (const int j : joints) {
     const Axis& axis = dof_axis(6 + j);

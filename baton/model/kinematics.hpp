@@ -17,6 +17,14 @@ class Kinematics {
   /// Sets the configuration of everything below.
   /// @param q configuration (nq), finite, its quaternion of any norm
   void set(const VecX& q);
+  /// The same, if the robot is that of `other`, moved as a whole: without its joints, that is quicker.
+  /// @param by displacement, in the world
+  /// @param q as it is then
+  void set_moved(const Kinematics& other, const Pose& by, const VecX& q);
+  /// Moves only some links, the root where it was. Of the rest of the robot, and of what depends on it, nothing is
+  /// known until the next `set`.
+  /// @param links bodies, each after its parent unless that is the root's
+  void set_links(const VecX& q, const std::vector<int>& links);
 
   [[nodiscard]] const RobotModel& robot() const { return *robot_; }
   [[nodiscard]] Vec3 com() const;
@@ -71,8 +79,10 @@ class Kinematics {
     Vec3 force, moment;
   };
 
+  /// Places a link whose parent has been placed.
+  void place(int id, const VecX& q);
   /// Inertia of a link about its COM, in the axes of the world [kg·m²].
-  [[nodiscard]] Mat3 link_inertia(int id) const;
+  [[nodiscard]] const Mat3& link_inertia(int id) const;
   /// Computes the mass moments of the subtrees, on first use after `set`.
   void sum_subtrees() const;
   /// Runs MuJoCo's kinematics, on first use after `set`: it takes longer than ours.
@@ -84,9 +94,12 @@ class Kinematics {
   std::vector<std::optional<Mat3>> fixed_rotation_;  ///< attitude in the parent at zero joint angles; none: identity
   std::vector<Mat3> inertia_axes_;                   ///< attitude of each link's principal axes of inertia
   std::vector<Pose> link_;
-  std::vector<Axis> axis_;             ///< by degree of freedom
-  mutable std::vector<Vec3> subtree_;  ///< mass × COM of each link and its descendants [kg m]
-  std::vector<Carried> carried_;       ///< by link
+  std::vector<Axis> axis_;                  ///< by degree of freedom
+  mutable std::vector<Vec3> subtree_;       ///< mass × COM of each link and its descendants [kg m]
+  std::vector<Carried> carried_;            ///< by link
+  std::vector<char> carried_by_;            ///< whether a link is, by one of the joints that are asked for
+  mutable std::vector<Mat3> link_inertia_;  ///< of each link
+  mutable bool inertias_valid_ = false;
   mutable bool subtrees_valid_ = false;
   mutable bool mujoco_valid_ = false;
 };

@@ -36,11 +36,11 @@ Watch::Watch(const RobotModel& robot, const World& world, StateSource source, co
 
 void Watch::estimate(const Measurement& measurement, const MotionSample& planned, const Pose& anchor) {
   measured_ = &odometry_.update(sensors_.check(measurement, planned), planned);
-  state_ = &estimator_.update(*measured_, anchor);
+  state_ = &estimator_.update(*measured_, anchor, odometry_.kinematics());
 }
 
 void Watch::change_frame(const MotionSample& planned, const Pose& anchor) {
-  state_ = &estimator_.update(*measured_, anchor);
+  state_ = &estimator_.update(*measured_, anchor, odometry_.kinematics());
   update_slip(planned, anchor);
 }
 

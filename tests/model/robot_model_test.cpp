@@ -61,11 +61,32 @@ TEST_P(RobotModelTest, JacobiansAreTheDerivativesOfTheKinematics) {
   }
 }
 
-/// Links, axes and COM against those of MuJoCo, at random configurations.
+/// Links and axes against those of MuJoCo.
+void expect_links(const Kinematics& k, const mjData& data) {
+  const mjModel& m = k.robot().mj();
+  const double fine = 1e-12 * k.robot().profile().stance.com_height;
+  for (int b = 1; b < m.nbody; ++b) {
+    ASSERT_LT((k.body(b).p - Eigen::Map<const Vec3>(data.xpos + 3 * b)).norm(), fine);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(data.xmat + 9 * b);
+    ASSERT_LT((k.body(b).R - R).norm(), 1e-12);
+  }
+  for (int dof = 6; dof < m.nv; ++dof) {
+    const Kinematics::Axis& axis = k.dof_axis(dof);
+    ASSERT_LT((axis.direction - Eigen::Map<const Vec3>(data.xaxis + 3 * m.dof_jntid[dof])).norm(), 1e-12);
+    ASSERT_LT((axis.point - Eigen::Map<const Vec3>(data.xanchor + 3 * m.dof_jntid[dof])).norm(), fine);
+  }
+}
+
+/// At random configurations, however they are set.
 void expect_as_in_the_simulator(const RobotModel& robot) {
   const mjModel& m = robot.mj();
   const DataPtr data(mj_makeData(&m));
   Kinematics k(robot);
+  Kinematics unmoved(robot);
+  Kinematics moved(robot);
+  std::vector<int> links;
+  for (int b = 2; b < m.nbody; ++b)
+    links.push_back(b);
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
   const double fine = 1e-12 * robot.profile().stance.com_height;
@@ -77,17 +98,21 @@ void expect_as_in_the_simulator(const RobotModel& robot) {
     mj_kinematics(&m, data.get());
     mj_comPos(&m, data.get());
     k.set(q);
-    for (int b = 1; b < m.nbody; ++b) {
-      ASSERT_LT((k.body(b).p - Eigen::Map<const Vec3>(data->xpos + 3 * b)).norm(), fine);
-      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(data->xmat + 9 * b);
-      ASSERT_LT((k.body(b).R - R).norm(), 1e-12);
-    }
-    for (int dof = 6; dof < m.nv; ++dof) {
-      const Kinematics::Axis& axis = k.dof_axis(dof);
-      ASSERT_LT((axis.direction - Eigen::Map<const Vec3>(data->xaxis + 3 * m.dof_jntid[dof])).norm(), 1e-12);
-      ASSERT_LT((axis.point - Eigen::Map<const Vec3>(data->xanchor + 3 * m.dof_jntid[dof])).norm(), fine);
-    }
+    expect_links(k, *data);
     ASSERT_LT((k.com() - Eigen::Map<const Vec3>(data->subtree_com + 3)).norm(), fine);
+    // The root's pose, then the joints.
+    VecX at_origin = q;
+    set_root(at_origin, Pose{});
+    unmoved.set(at_origin);
+    moved.set_moved(unmoved, k.body(1), q);
+    expect_links(moved, *data);
+    ASSERT_LT((moved.com() - k.com()).norm(), fine);
+    ASSERT_LT((moved.inertia() - k.inertia()).norm(), 1e-12 * k.inertia().norm());
+    VecX other = q;
+    other.tail(m.nq - 7) *= 0.5;
+    k.set(other);
+    k.set_links(q, links);
+    expect_links(k, *data);
   }
 }
 
