@@ -154,6 +154,19 @@ void add_robot(CLI::App& command, RobotOptions& o) {
   add_token(command, o.token);
 }
 
+void add_bridge_rcss(CLI::App& command, BridgeRcssOptions& o) {
+  command.add_option("--server", o.server, "The simulator's port for agents: HOST:PORT")->capture_default_str();
+  command.add_option("--robot", o.robot, "The simulator's robot: K1 or T1")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"K1", "T1"}));
+  command.add_option("--profile", o.profile,
+                     "The same robot for baton, a name or a profile's .toml file; default: rcss_k1 or rcss_t1");
+  command
+      .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
+      ->capture_default_str();
+  add_token(command, o.token);
+}
+
 void add_drive(CLI::App& command, DriveOptions& o) {
   command
       .add_option("--robot", o.robot,
@@ -300,6 +313,13 @@ int parse_and_run(std::vector<std::string> args) {
   CLI::App* robot_command = app.add_subcommand("robot", "Be the robot's end of a connection, for drive --on tcp://...");
   add_robot(*robot_command, robot_options);
 
+  CLI::App* bridge_command = app.add_subcommand("bridge", "Be the robot's end for a robot that speaks otherwise");
+  bridge_command->require_subcommand(1);
+  BridgeRcssOptions bridge_rcss_options;
+  CLI::App* bridge_rcss_command = bridge_command->add_subcommand(
+      "rcss", "A Booster robot in rcssservermj, the RoboCup 3D simulator on MuJoCo (docs/rcss.md)");
+  add_bridge_rcss(*bridge_rcss_command, bridge_rcss_options);
+
   DampOptions damp_options;
   CLI::App* damp_command = app.add_subcommand("damp", "Let a robot's motors only brake, whoever drives it");
   damp_command->add_option("address", damp_options.address, "The robot's end: tcp://HOST:PORT")->required();
@@ -391,6 +411,7 @@ int parse_and_run(std::vector<std::string> args) {
   if (check_command->parsed()) return check(check_options);
   if (robots_command->parsed()) return robots();
   if (robot_command->parsed()) return robot(robot_options);
+  if (bridge_rcss_command->parsed()) return bridge_rcss(bridge_rcss_options);
   if (damp_command->parsed()) return damp(damp_options);
   if (plan_command->parsed()) return plan(plan_options);
   if (verify_command->parsed()) return verify(verify_options);

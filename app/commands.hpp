@@ -90,6 +90,15 @@ struct RobotOptions {
   std::optional<std::filesystem::path> on_token;  ///< file that holds what the robot at `on` wants to know
 };
 
+/// `baton bridge rcss`.
+struct BridgeRcssOptions {
+  std::string server = "127.0.0.1:60000";
+  std::string robot = "K1";            ///< the simulator's name of its model
+  std::optional<std::string> profile;  ///< robot by name or file; none: rcss_k1 or rcss_t1
+  std::string listen = "127.0.0.1:7447";
+  std::optional<std::filesystem::path> token;  ///< file that holds what drivers must know
+};
+
 struct DampOptions {
   std::string address;
   std::optional<std::filesystem::path> token;
@@ -160,6 +169,7 @@ struct ReplayOptions {
 };
 
 int calibrate(const CalibrateOptions& options);
+int bridge_rcss(const BridgeRcssOptions& options);
 int check(const CheckOptions& options);
 int robots();
 int damp(const DampOptions& options);

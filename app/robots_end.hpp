@@ -1,0 +1,14 @@
+/// What all commands have in common that are the robot's end of a connection.
+#pragma once
+
+#include <functional>
+
+#include "baton/link/robot_server.hpp"
+
+namespace baton::app {
+
+/// Serves drivers until the program is interrupted, and obeys d (damp) and a (arm) typed at the terminal.
+/// @param between called between two messages
+void serve_drivers(link::RobotServer& server, const std::function<void()>& between = [] {});
+
+}  // namespace baton::app

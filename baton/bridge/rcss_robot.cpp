@@ -1,0 +1,175 @@
+#include "baton/bridge/rcss_robot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "baton/link/engage.hpp"
+#include "baton/model/error.hpp"
+
+namespace baton::bridge {
+namespace {
+
+constexpr int kLongestDelay = 10;    ///< within which the robot appears where it was put [cycles]
+constexpr double kPlaced = 0.1;      ///< distance from there [m]
+constexpr int kRising = 50;          ///< from straight legs to the stance [cycles]
+constexpr int kSettling = 30;        ///< at the stance [cycles]
+constexpr int kAveraged = 10;        ///< the last ones of these, which tell where up is [cycles]
+constexpr double kUpright = 0.2;     ///< largest tilt then [rad]
+constexpr double kTiltOfFall = M_PI / 4.0;  ///< of the trunk [rad]
+constexpr double kHeightOfFall = 0.5;       ///< of the COM [nominal height]
+
+}  // namespace
+
+RcssRobot::RcssRobot(const RobotModel& model, const Posture& start, Parameters parameters)
+    : model_(&model),
+      start_(start),
+      parameters_(std::move(parameters)),
+      attitude_(kRcssCycle),
+      kinematics_(model) {
+  const double period = model.profile().tick.period;
+  if (std::abs(period - kRcssCycle) > 1e-9)
+    throw InputError(fmt::format("{}: tick.period = {}: must be {} s, the simulator's cycle", model.profile().name,
+                                 period, kRcssCycle));
+  for (const Joint& joint : model.joints())
+    joints_.push_back(rcss_joint(joint.name));
+}
+
+void RcssRobot::probe() const {
+  static_cast<void>(RcssConnection(parameters_.server, parameters_.robot, joints_));
+}
+
+void RcssRobot::reset() {
+  connection_.reset();
+  connection_.emplace(parameters_.server, parameters_.robot, joints_);
+  sent_.clear();
+  place();
+  stand_up();
+}
+
+RcssRobot::Command RcssRobot::at(const VecX& q, const VecX& dq) const {
+  Command command;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const Profile::Gains& gains = model_->joints()[static_cast<std::size_t>(i)].gains;
+    command.push_back({q[i], dq[i], gains.kp, gains.kd, 0.0});
+  }
+  return command;
+}
+
+void RcssRobot::cycle(Command command, const std::string& before) {
+  if (!connection_) throw SimulatorError("the robot is not in the simulation");
+  std::string text = before;
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    text += servo_text(joints_[i], command[i]);
+  const long last = connection_->perception().cycle;
+  connection_->cycle(text);
+  sent_.push_back(std::move(command));
+  while (static_cast<int>(sent_.size()) > delay_ + 1)
+    sent_.pop_front();
+  if (connection_->perception().cycle == last + 1 || std::exchange(lost_cycles_, true)) return;
+  parameters_.log("cycles were lost: the simulator does not wait for the driver; start it with --sync --no-realtime");
+}
+
+void RcssRobot::place() {
+  const VecX zero = VecX::Zero(static_cast<Eigen::Index>(joints_.size()));
+  cycle(at(zero, zero), beam_text(parameters_.place));
+  for (int delay = 0; delay <= kLongestDelay; ++delay) {
+    const Vec3& p = connection_->perception().torso.p;
+    if ((p - parameters_.place).head<2>().norm() < kPlaced) {
+      delay_ = delay;
+      return;
+    }
+    cycle(at(zero, zero));
+  }
+  delay_ = 1;
+  parameters_.log(fmt::format("play mode {}: the robot could not be placed and stands where the simulator put it; its "
+                              "delay is taken to be one cycle",
+                              connection_->perception().play_mode));
+}
+
+void RcssRobot::stand_up() {
+  const VecX stance = start_.q.tail(static_cast<Eigen::Index>(joints_.size()));
+  Vec3 force = Vec3::Zero();
+  for (int i = 1; i <= kRising + kSettling; ++i) {
+    const double phase = std::min(1.0, (i - 0.5) / kRising) * M_PI;
+    const double speed = 0.5 * M_PI * std::sin(phase) / (kRising * kRcssCycle);
+    cycle(at(0.5 * (1.0 - std::cos(phase)) * stance, speed * stance));
+    if (i > kRising + kSettling - kAveraged) force += connection_->perception().acceleration / kAveraged;
+  }
+  attitude_.start(force.norm() > 0.0 ? force : Vec3::UnitZ());
+  const double tilt = tilt_of(attitude_.attitude());
+  if (!(tilt < kUpright) || !link::in_stance(*model_, connection_->perception().q))
+    throw SimulatorError(fmt::format("the robot does not stand up in the simulator: its torso is tilted by {:.2f} rad, "
+                                     "its joints are {:.2f} rad from the stance",
+                                     tilt, (connection_->perception().q - stance).cwiseAbs().maxCoeff()));
+  first_ = connection_->perception().cycle;
+  // The truth begins where the driver takes it to be: the same place and heading, and the same height of the ground.
+  const Pose& torso = connection_->perception().torso;
+  const Vec3 begins = start_.q.head<3>();
+  const Mat3 heading = Eigen::Quaterniond(start_.q[3], start_.q[4], start_.q[5], start_.q[6]).toRotationMatrix();
+  to_world_.R = rotation_z(yaw_of(heading) - yaw_of(torso.R));
+  to_world_.p = begins - to_world_.R * torso.p;
+  to_world_.p.z() = 0.0;
+  truth_ = {};
+  measure();
+}
+
+void RcssRobot::write(const JointTarget& target) {
+  const double to_end = (0.5 - delay_) * kRcssCycle;
+  Command command;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const ServoCommand servo = servo_command(*model_, i, target, to_end);
+    const Profile::Gains& gains = model_->joints()[i].gains;
+    command.push_back({servo.q, servo.dq, gains.kp, gains.kd, servo.tau});
+  }
+  cycle(std::move(command));
+  attitude_.update(connection_->perception().rate, connection_->perception().acceleration);
+  measure();
+}
+
+void RcssRobot::measure() {
+  const Perception& p = connection_->perception();
+  measured_.t = static_cast<double>(p.cycle - first_) * kRcssCycle;
+  measured_.age = delay_ * kRcssCycle;
+  measured_.q = p.q;
+  measured_.dq = p.dq;
+  measured_.torque.resize(p.q.size());
+  for (Eigen::Index i = 0; i < p.q.size(); ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    const RcssServo& servo = sent_.front()[joint];
+    const ServoCommand command{servo.q, servo.dq, servo.tau};
+    measured_.torque[i] = motor_torque(model_->joints()[joint].motor,
+                                       servo_torque(model_->joints()[joint].gains, command, p.q[i], p.dq[i]));
+  }
+  measured_.imu = {attitude_.attitude(), p.rate, p.acceleration};
+  const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  measured_.sole = {{unknown, unknown}, {unknown, unknown}};
+  judge();
+}
+
+void RcssRobot::judge() {
+  const Perception& p = connection_->perception();
+  const Pose torso = to_world_ * p.torso;
+  const bool first = truth_.q.size() == 0;
+  const Vec3 before = first ? torso.p : Vec3(truth_.q.head<3>());
+  truth_.t = measured_.t;
+  truth_.q.resize(model_->nq());
+  set_root(truth_.q, torso);
+  truth_.q.tail(p.q.size()) = p.q;
+  truth_.dq.resize(model_->nv());
+  truth_.dq << (torso.p - before) / kRcssCycle, p.rate, p.dq;
+  truth_.sole = measured_.sole;  // unknown
+  kinematics_.set(truth_.q);
+  const double tilt = tilt_of(kinematics_.trunk().R);
+  const double height = kinematics_.com().z();
+  const double lowest = kHeightOfFall * model_->profile().stance.com_height;
+  if (!truth_.fallen && (tilt > kTiltOfFall || height < lowest)) {
+    truth_.fallen = true;
+    truth_.fall = tilt > kTiltOfFall ? fmt::format("the trunk tilts by {:.0f} degrees", tilt * 180.0 / M_PI)
+                                     : fmt::format("the COM is {:.2f} m above the ground", height);
+  }
+}
+
+}  // namespace baton::bridge

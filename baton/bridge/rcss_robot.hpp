@@ -1,0 +1,85 @@
+/// A Booster robot in rcssservermj (docs/rcss.md).
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "baton/bridge/imu_attitude.hpp"
+#include "baton/bridge/rcss_connection.hpp"
+#include "baton/model/kinematics.hpp"
+#include "baton/robot/robot.hpp"
+#include "baton/robot/servo.hpp"
+
+namespace baton::bridge {
+
+/// Joins the simulator when it is reset, and stands up there.
+///
+/// Joint angles, speeds, gyro and accelerometer are the simulator's. It gives no torques: they are what its servos,
+/// whose law and command are known, give at the measured angles and speeds. It gives no attitude that a robot could
+/// measure: that is integrated from gyro and accelerometer. The torso's true pose goes to the truth alone, whose forces
+/// are unknown.
+///
+/// A target holds for a whole cycle, and in the simulator's parallel mode only for the one after the next. So servos are
+/// told where the joint is in the middle of the cycle in which the command acts, by the target's speed.
+class RcssRobot : public Robot {
+ public:
+  struct Parameters {
+    Address server;
+    std::string robot;                    ///< the simulator's name of its model, T1 or K1
+    Vec3 place{-2.0, 1.0, 0.0};           ///< x, y in the field [m], yaw [rad]
+    std::function<void(const std::string&)> log = [](const std::string&) {};
+  };
+
+  /// @param model must outlive the object
+  /// @param start where the truth begins: the standing posture in the driver's world
+  /// @throws InputError a joint that the simulator's robots do not have, or a period that is not its cycle
+  RcssRobot(const RobotModel& model, const Posture& start, Parameters parameters);
+
+  /// Joins and leaves: whether the simulator is there, and has this robot.
+  /// @throws SimulatorError
+  void probe() const;
+  /// Joins anew, is placed on the field if the game allows that, and stands up.
+  /// @throws SimulatorError
+  void reset() override;
+  /// Leaves the simulation, if it is in it: the simulator does not wait for it any more.
+  void leave() { connection_.reset(); }
+
+  /// After `reset`.
+  [[nodiscard]] Measurement read() override { return measured_; }
+  /// @throws SimulatorError also if it is not in the simulation
+  void write(const JointTarget& target) override;
+  [[nodiscard]] const Truth* truth() const override { return &truth_; }
+
+  /// Cycles that pass between a perception and the one in which its answer acts.
+  [[nodiscard]] int delay() const { return delay_; }
+
+ private:
+  using Command = std::vector<RcssServo>;
+
+  /// Servos that hold all joints there.
+  [[nodiscard]] Command at(const VecX& q, const VecX& dq) const;
+  /// @param before other actions of the same cycle
+  void cycle(Command command, const std::string& before = "");
+  void place();
+  void stand_up();
+  void measure();
+  void judge();
+
+  const RobotModel* model_;
+  Posture start_;
+  Parameters parameters_;
+  std::vector<RcssJoint> joints_;
+  std::optional<RcssConnection> connection_;
+  std::deque<Command> sent_;  ///< the front one acted in the last cycle
+  int delay_ = 1;             ///< [cycles]
+  long first_ = 0;            ///< cycle of the first measurement
+  bool lost_cycles_ = false;  ///< and said so
+  ImuAttitude attitude_;
+  Measurement measured_;
+  Kinematics kinematics_;
+  Pose to_world_;  ///< from the field to the driver's world
+  Truth truth_;
+};
+
+}  // namespace baton::bridge
