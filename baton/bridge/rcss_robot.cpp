@@ -49,15 +49,6 @@ void RcssRobot::reset() {
   stand_up();
 }
 
-RcssRobot::Command RcssRobot::at(const VecX& q, const VecX& dq) const {
-  Command command;
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const Profile::Gains& gains = model_->joints()[static_cast<std::size_t>(i)].gains;
-    command.push_back({q[i], dq[i], gains.kp, gains.kd, 0.0});
-  }
-  return command;
-}
-
 void RcssRobot::cycle(Command command, const std::string& before) {
   if (!connection_) throw SimulatorError("the robot is not in the simulation");
   std::string text = before;
@@ -72,16 +63,40 @@ void RcssRobot::cycle(Command command, const std::string& before) {
   parameters_.log("cycles were lost: the simulator does not wait for the driver; start it with --sync --no-realtime");
 }
 
+void RcssRobot::follow(const JointTarget& target, const std::string& before) {
+  const double to_end = (0.5 - delay_) * kRcssCycle;
+  Command command;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const ServoCommand servo = servo_command(*model_, i, target, to_end);
+    const Profile::Gains& gains = model_->joints()[i].gains;
+    command.push_back({servo.q, servo.dq, gains.kp, gains.kd, servo.tau});
+  }
+  cycle(std::move(command), before);
+}
+
+JointTarget RcssRobot::standing(double rise, double speed) {
+  const VecX stance = start_.q.tail(static_cast<Eigen::Index>(joints_.size()));
+  VecX q = start_.q;
+  q.tail(stance.size()) = rise * stance;
+  const VecX still = VecX::Zero(model_->nv());
+  VecX force(model_->nv());
+  kinematics_.inverse_dynamics(q, still, still, force);
+  const BySide<bool> both{true, true};
+  const BySide<Pose> sole{kinematics_.sole(Side::left), kinematics_.sole(Side::right)};
+  JointTarget target{q.tail(stance.size()), speed * stance, {}, VecX(stance.size()), both, {}};
+  joint_torques(kinematics_, force, share_wrench(*model_, sole, both, ground_wrench(kinematics_, force)), target.tau);
+  return target;
+}
+
 void RcssRobot::place() {
-  const VecX zero = VecX::Zero(static_cast<Eigen::Index>(joints_.size()));
-  cycle(at(zero, zero), beam_text(parameters_.place));
+  follow(standing(0.0, 0.0), beam_text(parameters_.place));
   for (int delay = 0; delay <= kLongestDelay; ++delay) {
     const Vec3& p = connection_->perception().torso.p;
     if ((p - parameters_.place).head<2>().norm() < kPlaced) {
       delay_ = delay;
       return;
     }
-    cycle(at(zero, zero));
+    follow(standing(0.0, 0.0));
   }
   delay_ = 1;
   parameters_.log(fmt::format("play mode {}: the robot could not be placed and stands where the simulator put it; its "
@@ -90,12 +105,10 @@ void RcssRobot::place() {
 }
 
 void RcssRobot::stand_up() {
-  const VecX stance = start_.q.tail(static_cast<Eigen::Index>(joints_.size()));
   Vec3 force = Vec3::Zero();
   for (int i = 1; i <= kRising + kSettling; ++i) {
-    const double phase = std::min(1.0, (i - 0.5) / kRising) * M_PI;
-    const double speed = 0.5 * M_PI * std::sin(phase) / (kRising * kRcssCycle);
-    cycle(at(0.5 * (1.0 - std::cos(phase)) * stance, speed * stance));
+    const double phase = std::min(1.0, static_cast<double>(i) / kRising) * M_PI;
+    follow(standing(0.5 * (1.0 - std::cos(phase)), 0.5 * M_PI * std::sin(phase) / (kRising * kRcssCycle)));
     if (i > kRising + kSettling - kAveraged) force += connection_->perception().acceleration / kAveraged;
   }
   attitude_.start(force.norm() > 0.0 ? force : Vec3::UnitZ());
@@ -103,28 +116,27 @@ void RcssRobot::stand_up() {
   if (!(tilt < kUpright) || !link::in_stance(*model_, connection_->perception().q))
     throw SimulatorError(fmt::format("the robot does not stand up in the simulator: its torso is tilted by {:.2f} rad, "
                                      "its joints are {:.2f} rad from the stance",
-                                     tilt, (connection_->perception().q - stance).cwiseAbs().maxCoeff()));
+                                     tilt, (connection_->perception().q - standing(1.0, 0.0).q).cwiseAbs().maxCoeff()));
   first_ = connection_->perception().cycle;
-  // The truth begins where the driver takes it to be: the same place and heading, and the same height of the ground.
-  const Pose& torso = connection_->perception().torso;
-  const Vec3 begins = start_.q.head<3>();
-  const Mat3 heading = Eigen::Quaterniond(start_.q[3], start_.q[4], start_.q[5], start_.q[6]).toRotationMatrix();
-  to_world_.R = rotation_z(yaw_of(heading) - yaw_of(torso.R));
-  to_world_.p = begins - to_world_.R * torso.p;
-  to_world_.p.z() = 0.0;
   truth_ = {};
+  to_world_ = {};
   measure();
+  align();
+  judge();
+}
+
+void RcssRobot::align() {
+  const Vec3 middle = 0.5 * (kinematics_.sole(Side::left).p + kinematics_.sole(Side::right).p);
+  const Vec3 begins = 0.5 * (start_.sole.left.p + start_.sole.right.p);
+  const double yaw = mean_yaw({kinematics_.sole(Side::left), kinematics_.sole(Side::right)});
+  to_world_.R = rotation_z(mean_yaw(start_.sole) - yaw);
+  to_world_.p = begins - to_world_.R * middle;
+  to_world_.p.z() = begins.z();  // the field is level, its height zero
+  truth_ = {};
 }
 
 void RcssRobot::write(const JointTarget& target) {
-  const double to_end = (0.5 - delay_) * kRcssCycle;
-  Command command;
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const ServoCommand servo = servo_command(*model_, i, target, to_end);
-    const Profile::Gains& gains = model_->joints()[i].gains;
-    command.push_back({servo.q, servo.dq, gains.kp, gains.kd, servo.tau});
-  }
-  cycle(std::move(command));
+  follow(target);
   attitude_.update(connection_->perception().rate, connection_->perception().acceleration);
   measure();
 }

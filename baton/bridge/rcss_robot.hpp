@@ -57,13 +57,17 @@ class RcssRobot : public Robot {
  private:
   using Command = std::vector<RcssServo>;
 
-  /// Servos that hold all joints there.
-  [[nodiscard]] Command at(const VecX& q, const VecX& dq) const;
+  void cycle(Command command, const std::string& before);
   /// @param before other actions of the same cycle
-  void cycle(Command command, const std::string& before = "");
+  void follow(const JointTarget& target, const std::string& before = "");
+  /// Where it stands between straight legs (0) and its stance (1), on both soles.
+  /// @param speed of `rise` [1/s]
+  [[nodiscard]] JointTarget standing(double rise, double speed);
   void place();
   void stand_up();
   void measure();
+  /// The truth begins where the driver takes it to be: with the soles at the same place and heading.
+  void align();
   void judge();
 
   const RobotModel* model_;
