@@ -156,11 +156,8 @@ void add_robot(CLI::App& command, RobotOptions& o) {
 
 void add_bridge_rcss(CLI::App& command, BridgeRcssOptions& o) {
   command.add_option("--server", o.server, "The simulator's port for agents: HOST:PORT")->capture_default_str();
-  command.add_option("--robot", o.robot, "The simulator's robot: K1 or T1")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"K1", "T1"}));
-  command.add_option("--profile", o.profile,
-                     "The same robot for baton, a name or a profile's .toml file; default: rcss_k1 or rcss_t1");
+  command.add_option("--robot", o.robot, "Robot, with the simulator's own model: rcss_k1, rcss_t1, or a profile")
+      ->capture_default_str();
   command
       .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();

@@ -93,8 +93,7 @@ struct RobotOptions {
 /// `baton bridge rcss`.
 struct BridgeRcssOptions {
   std::string server = "127.0.0.1:60000";
-  std::string robot = "K1";            ///< the simulator's name of its model
-  std::optional<std::string> profile;  ///< robot by name or file; none: rcss_k1 or rcss_t1
+  std::string robot = "rcss_k1";
   std::string listen = "127.0.0.1:7447";
   std::optional<std::filesystem::path> token;  ///< file that holds what drivers must know
 };

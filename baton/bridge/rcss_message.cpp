@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "baton/model/error.hpp"
-
 namespace baton::bridge {
 namespace {
 
@@ -15,39 +13,6 @@ constexpr double kDegree = M_PI / 180.0;
 constexpr double kTwoDigits = 0.01;     ///< [°], [°/s], [m/s²]
 constexpr double kThreeDigits = 0.001;  ///< of the torso's position and quaternion
 constexpr std::size_t kLength = 4;      ///< bytes of a message's length
-
-/// A joint of the models, the simulator's name of its limb, and its number there.
-struct Row {
-  std::string_view joint;
-  std::string_view limb;
-  int number;
-};
-/// The shoulders' pitch has one name in T1 and another in K1; K1 has no waist.
-constexpr std::array<Row, 25> kJoints{{{"AAHead_yaw", "h", 1},
-                                       {"Head_pitch", "h", 2},
-                                       {"Left_Shoulder_Pitch", "la", 1},
-                                       {"ALeft_Shoulder_Pitch", "la", 1},
-                                       {"Left_Shoulder_Roll", "la", 2},
-                                       {"Left_Elbow_Pitch", "la", 3},
-                                       {"Left_Elbow_Yaw", "la", 4},
-                                       {"Right_Shoulder_Pitch", "ra", 1},
-                                       {"ARight_Shoulder_Pitch", "ra", 1},
-                                       {"Right_Shoulder_Roll", "ra", 2},
-                                       {"Right_Elbow_Pitch", "ra", 3},
-                                       {"Right_Elbow_Yaw", "ra", 4},
-                                       {"Waist", "t", 1},
-                                       {"Left_Hip_Pitch", "ll", 1},
-                                       {"Left_Hip_Roll", "ll", 2},
-                                       {"Left_Hip_Yaw", "ll", 3},
-                                       {"Left_Knee_Pitch", "ll", 4},
-                                       {"Left_Ankle_Pitch", "ll", 5},
-                                       {"Left_Ankle_Roll", "ll", 6},
-                                       {"Right_Hip_Pitch", "rl", 1},
-                                       {"Right_Hip_Roll", "rl", 2},
-                                       {"Right_Hip_Yaw", "rl", 3},
-                                       {"Right_Knee_Pitch", "rl", 4},
-                                       {"Right_Ankle_Pitch", "rl", 5},
-                                       {"Right_Ankle_Roll", "rl", 6}}};
 
 double uncut_angle(const SExpr& degrees) {
   return kDegree * uncut(degrees.number(), kTwoDigits);
@@ -73,13 +38,6 @@ Pose torso_in(const SExpr& all) {
 }
 
 }  // namespace
-
-RcssJoint rcss_joint(std::string_view model_joint) {
-  const auto* row = std::find_if(kJoints.begin(), kJoints.end(), [&](const Row& r) { return r.joint == model_joint; });
-  if (row == kJoints.end())
-    throw InputError(fmt::format("joint '{}': the simulator's robots T1 and K1 have none of that name", model_joint));
-  return {fmt::format("q_{}j{}", row->limb, row->number), fmt::format("{}e{}", row->limb, row->number)};
-}
 
 double uncut(double value, double digit) {
   return value == 0.0 ? 0.0 : value + std::copysign(0.5 * digit, value);

@@ -21,10 +21,6 @@ struct RcssJoint {
   std::string effector;   ///< of its servo: "lle1"
 };
 
-/// What the simulator calls a joint of its models T1 and K1.
-/// @throws InputError neither has such a joint
-[[nodiscard]] RcssJoint rcss_joint(std::string_view model_joint);
-
 /// What a robot perceives after a cycle, in SI units and radians.
 struct Perception {
   long cycle = 0;  ///< number of the cycles that the simulation has made

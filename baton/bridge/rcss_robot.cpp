@@ -27,23 +27,22 @@ RcssRobot::RcssRobot(const RobotModel& model, const Posture& start, Parameters p
     : model_(&model),
       start_(start),
       parameters_(std::move(parameters)),
+      names_(rcss_names(model)),
       attitude_(kRcssCycle),
       kinematics_(model) {
   const double period = model.profile().tick.period;
   if (std::abs(period - kRcssCycle) > 1e-9)
     throw InputError(fmt::format("{}: tick.period = {}: must be {} s, the simulator's cycle", model.profile().name,
                                  period, kRcssCycle));
-  for (const Joint& joint : model.joints())
-    joints_.push_back(rcss_joint(joint.name));
 }
 
 void RcssRobot::probe() const {
-  static_cast<void>(RcssConnection(parameters_.server, parameters_.robot, joints_));
+  static_cast<void>(RcssConnection(parameters_.server, names_.robot, names_.joints));
 }
 
 void RcssRobot::reset() {
   connection_.reset();
-  connection_.emplace(parameters_.server, parameters_.robot, joints_);
+  connection_.emplace(parameters_.server, names_.robot, names_.joints);
   sent_.clear();
   place();
   stand_up();
@@ -52,8 +51,8 @@ void RcssRobot::reset() {
 void RcssRobot::cycle(Command command, const std::string& before) {
   if (!connection_) throw SimulatorError("the robot is not in the simulation");
   std::string text = before;
-  for (std::size_t i = 0; i < joints_.size(); ++i)
-    text += servo_text(joints_[i], command[i]);
+  for (std::size_t i = 0; i < names_.joints.size(); ++i)
+    text += servo_text(names_.joints[i], command[i]);
   const long last = connection_->perception().cycle;
   connection_->cycle(text);
   sent_.push_back(std::move(command));
@@ -66,7 +65,7 @@ void RcssRobot::cycle(Command command, const std::string& before) {
 void RcssRobot::follow(const JointTarget& target, const std::string& before) {
   const double to_end = (0.5 - delay_) * kRcssCycle;
   Command command;
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
+  for (std::size_t i = 0; i < names_.joints.size(); ++i) {
     const ServoCommand servo = servo_command(*model_, i, target, to_end);
     const Profile::Gains& gains = model_->joints()[i].gains;
     command.push_back({servo.q, servo.dq, gains.kp, gains.kd, servo.tau});
@@ -75,7 +74,7 @@ void RcssRobot::follow(const JointTarget& target, const std::string& before) {
 }
 
 JointTarget RcssRobot::standing(double rise, double speed) {
-  const VecX stance = start_.q.tail(static_cast<Eigen::Index>(joints_.size()));
+  const VecX stance = start_.q.tail(static_cast<Eigen::Index>(names_.joints.size()));
   VecX q = start_.q;
   q.tail(stance.size()) = rise * stance;
   const VecX still = VecX::Zero(model_->nv());

@@ -7,6 +7,7 @@
 
 #include "baton/bridge/imu_attitude.hpp"
 #include "baton/bridge/rcss_connection.hpp"
+#include "baton/bridge/rcss_names.hpp"
 #include "baton/model/kinematics.hpp"
 #include "baton/robot/robot.hpp"
 #include "baton/robot/servo.hpp"
@@ -26,14 +27,13 @@ class RcssRobot : public Robot {
  public:
   struct Parameters {
     Address server;
-    std::string robot;                    ///< the simulator's name of its model, T1 or K1
-    Vec3 place{-2.0, 1.0, 0.0};           ///< x, y in the field [m], yaw [rad]
+    Vec3 place{-2.0, 1.0, 0.0};  ///< x, y in the field [m], yaw [rad]
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
 
   /// @param model must outlive the object
   /// @param start where the truth begins: the standing posture in the driver's world
-  /// @throws InputError a joint that the simulator's robots do not have, or a period that is not its cycle
+  /// @throws InputError the model is none of the simulator's, or the period is not its cycle
   RcssRobot(const RobotModel& model, const Posture& start, Parameters parameters);
 
   /// Joins and leaves: whether the simulator is there, and has this robot.
@@ -51,6 +51,8 @@ class RcssRobot : public Robot {
   void write(const JointTarget& target) override;
   [[nodiscard]] const Truth* truth() const override { return &truth_; }
 
+  /// The simulator's name of its model.
+  [[nodiscard]] const std::string& name() const { return names_.robot; }
   /// Cycles that pass between a perception and the one in which its answer acts.
   [[nodiscard]] int delay() const { return delay_; }
 
@@ -73,7 +75,7 @@ class RcssRobot : public Robot {
   const RobotModel* model_;
   Posture start_;
   Parameters parameters_;
-  std::vector<RcssJoint> joints_;
+  RcssNames names_;
   std::optional<RcssConnection> connection_;
   std::deque<Command> sent_;  ///< the front one acted in the last cycle
   int delay_ = 1;             ///< [cycles]
