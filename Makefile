@@ -2,7 +2,7 @@
 BUILD := build/release
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
-FUZZ_TARGETS := script profile urdf page recording motion link
+FUZZ_TARGETS := script profile urdf page recording motion link rcss
 ARGS ?=
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
@@ -21,7 +21,7 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-fast test-cpp test-page test-python test-wheel wheel sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint robots setup setup-wheel setup-test setup-dev clean anew
+.PHONY: help run build page test test-fast test-cpp test-page test-python test-wheel wheel sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint robots rcss setup setup-wheel setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -52,7 +52,7 @@ ifneq ($(call has_script,test:browser),)
 	cd web && npm run --silent test:browser
 endif
 
-test-python:
+test-python: rcss
 ifneq ($(PYTHON_TESTS),)
 	.venv/bin/pytest -q tests/python
 endif
@@ -119,6 +119,9 @@ wheel: setup-wheel ## build the Python package: dist/baton-….whl
 
 robots: setup ## fetch the models of the robots that are shipped as profiles (NAMES="g1 t1": those alone)
 	@scripts/fetch_robots $(NAMES)
+
+rcss: setup ## install the RoboCup 3D simulator that `baton bridge rcss` drives robots in, and fetch its robots
+	@scripts/setup_rcss
 
 setup: ## install what is missing
 	@scripts/setup

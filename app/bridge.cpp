@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <utility>
+
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/options.hpp"
@@ -9,6 +12,13 @@
 #include "baton/ik/stand.hpp"
 
 namespace baton::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kLongestPause{2};  ///< after which the simulator is told that the robot is still there
+
+}  // namespace
 int bridge_rcss(const BridgeRcssOptions& o) {
   const RobotModel model = load_robot(o.robot, std::nullopt);
   const World world = World::load("flat");
@@ -18,13 +28,17 @@ int bridge_rcss(const BridgeRcssOptions& o) {
   link::RobotServer server(
       model, robot,
       {.listen = Address::parse(o.listen), .token = token_in(o.token), .on = "sim", .world = world.name(), .log = log});
-  robot.probe();
+  robot.join();
   fmt::print("{} of the simulator {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", robot.name(),
              o.server, server.address().text());
   std::fflush(stdout);
   try {
+    long cycles = 0;
+    auto since = Clock::now();  // the last cycle
     serve_drivers(server, [&] {
-      if (server.state() == link::RobotServer::State::waiting) robot.leave();
+      const auto now = Clock::now();
+      if (robot.cycles() != std::exchange(cycles, robot.cycles())) since = now;
+      if (now - since > kLongestPause) robot.wait(server.state() == link::RobotServer::State::damped);
     });
   } catch (const bridge::SimulatorError& error) {
     server.damp(error.what());  // tells the driver why

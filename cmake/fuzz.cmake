@@ -9,6 +9,8 @@ module_sources(fuzzed_sources math model ik)
 list(
   APPEND
   fuzzed_sources
+  baton/bridge/rcss_message.cpp
+  baton/bridge/sexpr.cpp
   baton/cockpit/protocol.cpp
   baton/guide/command.cpp
   baton/input/json_reader.cpp
@@ -38,7 +40,7 @@ target_link_libraries(
   PRIVATE baton_options)
 
 add_custom_target(fuzz)
-foreach(target script profile urdf page recording motion link)
+foreach(target script profile urdf page recording motion link rcss)
   add_executable(fuzz_${target} EXCLUDE_FROM_ALL tests/fuzz/fuzz_${target}.cpp)
   set_target_properties(fuzz_${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   target_link_libraries(fuzz_${target} PRIVATE baton_fuzzed baton_options)

@@ -35,7 +35,7 @@ class RcssConnection {
 
  private:
   /// Waits for a perception; if several have come, takes the newest.
-  void perceive(const char* hint);
+  void perceive(Socket::Time limit, const char* hint);
 
   Address server_;
   std::vector<RcssJoint> joints_;

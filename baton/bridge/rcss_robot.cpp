@@ -36,25 +36,37 @@ RcssRobot::RcssRobot(const RobotModel& model, const Posture& start, Parameters p
                                  period, kRcssCycle));
 }
 
-void RcssRobot::probe() const {
-  static_cast<void>(RcssConnection(parameters_.server, names_.robot, names_.joints));
+void RcssRobot::join() {
+  connection_.emplace(parameters_.server, names_.robot, names_.joints);
+  reset();
 }
 
 void RcssRobot::reset() {
-  connection_.reset();
-  connection_.emplace(parameters_.server, names_.robot, names_.joints);
   sent_.clear();
   place();
   stand_up();
 }
 
+void RcssRobot::wait(bool brakes) {
+  Command command = sent_.back();
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    command[i].dq = 0.0;
+    if (!brakes) continue;
+    command[i].q = measured_.q[static_cast<Eigen::Index>(i)];
+    command[i].tau = 0.0;
+  }
+  cycle(std::move(command), "");
+  attitude_.update(connection_->perception().rate, connection_->perception().acceleration);
+  measure();
+}
+
 void RcssRobot::cycle(Command command, const std::string& before) {
-  if (!connection_) throw SimulatorError("the robot is not in the simulation");
   std::string text = before;
   for (std::size_t i = 0; i < names_.joints.size(); ++i)
     text += servo_text(names_.joints[i], command[i]);
   const long last = connection_->perception().cycle;
   connection_->cycle(text);
+  ++cycles_;
   sent_.push_back(std::move(command));
   while (static_cast<int>(sent_.size()) > delay_ + 1)
     sent_.pop_front();

@@ -14,8 +14,6 @@
 
 namespace baton::bridge {
 
-/// Joins the simulator when it is reset, and stands up there.
-///
 /// Joint angles, speeds, gyro and accelerometer are the simulator's. It gives no torques: they are what its servos,
 /// whose law and command are known, give at the measured angles and speeds. It gives no attitude that a robot could
 /// measure: that is integrated from gyro and accelerometer. The torso's true pose goes to the truth alone, whose forces
@@ -36,18 +34,23 @@ class RcssRobot : public Robot {
   /// @throws InputError the model is none of the simulator's, or the period is not its cycle
   RcssRobot(const RobotModel& model, const Posture& start, Parameters parameters);
 
-  /// Joins and leaves: whether the simulator is there, and has this robot.
+  /// Joins the simulation and stands up. It stays there until it is destroyed, as rejoining takes the simulator seconds.
+  /// Call it before all that follows.
   /// @throws SimulatorError
-  void probe() const;
-  /// Joins anew, is placed on the field if the game allows that, and stands up.
+  void join();
+  /// Is placed on the field anew, if the game allows that, and stands up.
   /// @throws SimulatorError
   void reset() override;
-  /// Leaves the simulation, if it is in it: the simulator does not wait for it any more.
-  void leave() { connection_.reset(); }
+  /// Does the same for one more cycle: the simulator removes a robot that lets it wait for 5 s.
+  /// @param brakes lets the motors only brake
+  /// @throws SimulatorError
+  void wait(bool brakes);
+  /// Cycles since it has joined.
+  [[nodiscard]] long cycles() const { return cycles_; }
 
   /// After `reset`.
   [[nodiscard]] Measurement read() override { return measured_; }
-  /// @throws SimulatorError also if it is not in the simulation
+  /// @throws SimulatorError
   void write(const JointTarget& target) override;
   [[nodiscard]] const Truth* truth() const override { return &truth_; }
 
@@ -79,6 +82,7 @@ class RcssRobot : public Robot {
   std::optional<RcssConnection> connection_;
   std::deque<Command> sent_;  ///< the front one acted in the last cycle
   int delay_ = 1;             ///< [cycles]
+  long cycles_ = 0;
   long first_ = 0;            ///< cycle of the first measurement
   bool lost_cycles_ = false;  ///< and said so
   ImuAttitude attitude_;

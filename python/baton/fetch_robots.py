@@ -30,6 +30,8 @@ SOURCES = {
     "g1": Source(_ENVPOOL, f"{_PLAYGROUND}/unitree_g1"),
     "t1": Source(_ENVPOOL, f"{_PLAYGROUND}/booster_t1"),
     "talos": Source("example-robot-data==6.0.0", "cmeel.prefix/share/example-robot-data", "robots/talos_data"),
+    "rcss_k1": Source("rcsssmj==0.2.1", "rcsssmj/resources/robots/K1"),
+    "rcss_t1": Source("rcsssmj==0.2.1", "rcsssmj/resources/robots/T1"),
     "jvrc1": Source("jvrc-description==1.1.1", "jvrc_description"),
 }
 

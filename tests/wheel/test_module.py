@@ -442,7 +442,7 @@ def test_models_are_fetched_into_a_folder(tmp_path):
     assert len(baton.Robot(folder / "profile.toml").joints) == 32
     assert "License" in (folder / "model" / "licences" / "METADATA").read_text()
     done = subprocess.run([*command, "nobody"], capture_output=True, text=True)
-    assert done.returncode == 2 and "known: g1 t1 talos jvrc1" in done.stderr
+    assert done.returncode == 2 and "known: g1 t1 talos rcss_k1 rcss_t1 jvrc1" in done.stderr
 
 
 def measurement(n, **other):
