@@ -24,7 +24,10 @@ void TrackingError::add(const TickRecord& record, const Kinematics& truth) {
   const Vec2 planned = plan.zmp + nav.correction().com_offset;
   const Vec2 zmp = (frame * Vec3(planned.x(), planned.y(), plan.zmp_height)).head<2>();
   const Vec2 measured = measured_zmp(*record.truth, support_plane(soles, plan.contact));
-  if (measured.allFinite()) squares_.zmp += (measured - zmp).squaredNorm();
+  if (measured.allFinite()) {
+    squares_.zmp += (measured - zmp).squaredNorm();
+    forces_ = true;
+  }
   for (const Side side : kSides) {
     squares_.sole += 0.5 * (soles[side].p - frame * plan.sole[side].p).squaredNorm();
     squares_.hand += 0.5 * (truth.hand(side).p - frame * planned_.hand(side).p).squaredNorm();
@@ -50,7 +53,7 @@ nlohmann::json TrackingError::json() const {
   return {{"com_rms_m", rms(squares_.com)},
           {"sole_rms_m", rms(squares_.sole)},
           {"hand_rms_m", rms(squares_.hand)},
-          {"zmp_rms_m", rms(squares_.zmp)},
+          {"zmp_rms_m", forces_ || squares_.ticks == 0 ? nlohmann::json(rms(squares_.zmp)) : nlohmann::json()},
           {"way_m", way_},
           {"estimate_max_m", estimate_},
           {"estimate_share", share_}};

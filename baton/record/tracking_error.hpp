@@ -32,6 +32,7 @@ class TrackingError {
   const RobotModel* robot_;
   Kinematics planned_;
   Squares squares_;
+  bool forces_ = false;           ///< whether the truth has had any
   double estimate_ = 0.0;         ///< largest error of the trunk's estimated position [m]
   double share_ = 0.0;            ///< largest ratio of that error to the distance travelled, beyond an initial distance
   double way_ = 0.0;              ///< distance travelled by the trunk [m]
