@@ -14,11 +14,10 @@
 namespace baton::app {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::chrono::seconds kLongestPause{2};  ///< after which the simulator is told that the robot is still there
 
 }  // namespace
+
 int bridge_rcss(const BridgeRcssOptions& o) {
   const RobotModel model = load_robot(o.robot, std::nullopt);
   const World world = World::load("flat");
@@ -34,9 +33,9 @@ int bridge_rcss(const BridgeRcssOptions& o) {
   std::fflush(stdout);
   try {
     long cycles = 0;
-    auto since = Clock::now();  // the last cycle
+    auto since = std::chrono::steady_clock::now();  // the last cycle
     serve_drivers(server, [&] {
-      const auto now = Clock::now();
+      const auto now = std::chrono::steady_clock::now();
       if (robot.cycles() != std::exchange(cycles, robot.cycles())) since = now;
       if (now - since > kLongestPause) robot.wait(server.state() == link::RobotServer::State::damped);
     });

@@ -9,6 +9,7 @@ namespace baton::app {
 
 /// Serves drivers until the program is interrupted, and obeys d (damp) and a (arm) typed at the terminal.
 /// @param between called between two messages
-void serve_drivers(link::RobotServer& server, const std::function<void()>& between = [] {});
+void serve_drivers(
+    link::RobotServer& server, const std::function<void()>& between = [] {});
 
 }  // namespace baton::app

@@ -7,7 +7,7 @@
 namespace baton::bridge {
 namespace {
 
-constexpr Socket::Time kJoiningRcss{20'000};       ///< it compiles its model anew
+constexpr Socket::Time kJoiningRcss{20'000};     ///< it compiles its model anew
 constexpr Socket::Time kPatienceWithRcss{8000};  ///< it waits for 5 s for each other robot
 constexpr const char* kTeam = "baton";
 constexpr int kPlayer = 1;
@@ -24,7 +24,8 @@ RcssConnection::RcssConnection(const Address& server, const std::string& robot, 
     throw SimulatorError(
         fmt::format("no simulator: {}", why.starts_with(server_.text()) ? why : server_.text() + ": " + why));
   }
-  perceive(kJoiningRcss, "it has no robot of that name, no rcssservermj runs there, or somebody plays as player 1 of team baton");
+  perceive(kJoiningRcss,
+           "it has no robot of that name, no rcssservermj runs there, or somebody plays as player 1 of team baton");
 }
 
 void RcssConnection::cycle(const std::string& actions) {

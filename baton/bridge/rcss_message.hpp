@@ -40,7 +40,8 @@ struct Perception {
 /// @throws SExprError malformed, something is missing, or the joints are others
 [[nodiscard]] Perception perception_in(std::string_view text, const std::vector<RcssJoint>& joints);
 
-/// What a servo is told for a cycle. Its torque is kp (q − measured) + kd (dq − measured) + tau, up to the stall torque.
+/// What a servo is told for a cycle. Its torque is kp (q − measured) + kd (dq − measured) + tau, up to the stall
+/// torque.
 struct RcssServo {
   double q = 0.0;    ///< [rad]
   double dq = 0.0;   ///< [rad/s]

@@ -14,8 +14,8 @@ struct RcssNames {
   std::vector<RcssJoint> joints;  ///< ordered as in the robot
 };
 
-/// Reads the robot's model file. The angle of a joint is perceived by the sensor of its position (`jointpos`), and it is
-/// driven by the motor `…_tau`; sign and zero are the model's.
+/// Reads the robot's model file. The angle of a joint is perceived by the sensor of its position (`jointpos`), and it
+/// is driven by the motor `…_tau`; sign and zero are the model's.
 /// @throws InputError the model is none of the simulator's: a joint has no such sensor or motor
 [[nodiscard]] RcssNames rcss_names(const RobotModel& robot);
 

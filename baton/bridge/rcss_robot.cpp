@@ -12,12 +12,12 @@
 namespace baton::bridge {
 namespace {
 
-constexpr int kLongestDelay = 10;    ///< within which the robot appears where it was put [cycles]
-constexpr double kPlaced = 0.1;      ///< distance from there [m]
-constexpr int kRising = 50;          ///< from straight legs to the stance [cycles]
-constexpr int kSettling = 30;        ///< at the stance [cycles]
-constexpr int kAveraged = 10;        ///< the last ones of these, which tell where up is [cycles]
-constexpr double kUpright = 0.2;     ///< largest tilt then [rad]
+constexpr int kLongestDelay = 10;           ///< within which the robot appears where it was put [cycles]
+constexpr double kPlaced = 0.1;             ///< distance from there [m]
+constexpr int kRising = 50;                 ///< from straight legs to the stance [cycles]
+constexpr int kSettling = 30;               ///< at the stance [cycles]
+constexpr int kAveraged = 10;               ///< the last ones of these, which tell where up is [cycles]
+constexpr double kUpright = 0.2;            ///< largest tilt then [rad]
 constexpr double kTiltOfFall = M_PI / 4.0;  ///< of the trunk [rad]
 constexpr double kHeightOfFall = 0.5;       ///< of the COM [nominal height]
 
@@ -110,9 +110,10 @@ void RcssRobot::place() {
     follow(standing(0.0, 0.0));
   }
   delay_ = 1;
-  parameters_.log(fmt::format("play mode {}: the robot could not be placed and stands where the simulator put it; its "
-                              "delay is taken to be one cycle",
-                              connection_->perception().play_mode));
+  parameters_.log(
+      fmt::format("play mode {}: the robot could not be placed and stands where the simulator put it; its "
+                  "delay is taken to be one cycle",
+                  connection_->perception().play_mode));
 }
 
 void RcssRobot::stand_up() {
@@ -125,9 +126,10 @@ void RcssRobot::stand_up() {
   attitude_.start(force.norm() > 0.0 ? force : Vec3::UnitZ());
   const double tilt = tilt_of(attitude_.attitude());
   if (!(tilt < kUpright) || !link::in_stance(*model_, connection_->perception().q))
-    throw SimulatorError(fmt::format("the robot does not stand up in the simulator: its torso is tilted by {:.2f} rad, "
-                                     "its joints are {:.2f} rad from the stance",
-                                     tilt, (connection_->perception().q - standing(1.0, 0.0).q).cwiseAbs().maxCoeff()));
+    throw SimulatorError(
+        fmt::format("the robot does not stand up in the simulator: its torso is tilted by {:.2f} rad, "
+                    "its joints are {:.2f} rad from the stance",
+                    tilt, (connection_->perception().q - standing(1.0, 0.0).q).cwiseAbs().maxCoeff()));
   first_ = connection_->perception().cycle;
   truth_ = {};
   to_world_ = {};

@@ -19,8 +19,8 @@ namespace baton::bridge {
 /// measure: that is integrated from gyro and accelerometer. The torso's true pose goes to the truth alone, whose forces
 /// are unknown.
 ///
-/// A target holds for a whole cycle, and in the simulator's parallel mode only for the one after the next. So servos are
-/// told where the joint is in the middle of the cycle in which the command acts, by the target's speed.
+/// A target holds for a whole cycle, and in the simulator's parallel mode only for the one after the next. So servos
+/// are told where the joint is in the middle of the cycle in which the command acts, by the target's speed.
 class RcssRobot : public Robot {
  public:
   struct Parameters {
@@ -34,8 +34,8 @@ class RcssRobot : public Robot {
   /// @throws InputError the model is none of the simulator's, or the period is not its cycle
   RcssRobot(const RobotModel& model, const Posture& start, Parameters parameters);
 
-  /// Joins the simulation and stands up. It stays there until it is destroyed, as rejoining takes the simulator seconds.
-  /// Call it before all that follows.
+  /// Joins the simulation and stands up. It stays there until it is destroyed, as rejoining takes the simulator
+  /// seconds. Call it before all that follows.
   /// @throws SimulatorError
   void join();
   /// Is placed on the field anew, if the game allows that, and stands up.
