@@ -35,6 +35,8 @@ int bridge_rcss(const BridgeRcssOptions& o) {
     long cycles = 0;
     auto since = std::chrono::steady_clock::now();  // the last cycle
     serve_drivers(server, [&] {
+      // Standing up takes a second or two: not while the next driver waits for its first measurement.
+      if (server.state() == link::RobotServer::State::waiting) robot.reset();
       const auto now = std::chrono::steady_clock::now();
       if (robot.cycles() != std::exchange(cycles, robot.cycles())) since = now;
       if (now - since > kLongestPause) robot.wait(server.state() == link::RobotServer::State::damped);

@@ -42,9 +42,11 @@ void RcssRobot::join() {
 }
 
 void RcssRobot::reset() {
+  if (!moved_) return;
   sent_.clear();
   place();
   stand_up();
+  moved_ = false;
 }
 
 void RcssRobot::wait(bool brakes) {
@@ -149,6 +151,7 @@ void RcssRobot::align() {
 }
 
 void RcssRobot::write(const JointTarget& target) {
+  moved_ = true;
   follow(target);
   attitude_.update(connection_->perception().rate, connection_->perception().acceleration);
   measure();

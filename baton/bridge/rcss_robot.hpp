@@ -38,7 +38,7 @@ class RcssRobot : public Robot {
   /// seconds. Call it before all that follows.
   /// @throws SimulatorError
   void join();
-  /// Is placed on the field anew, if the game allows that, and stands up.
+  /// Is placed on the field anew, if the game allows that, and stands up; unless nobody has moved it since.
   /// @throws SimulatorError
   void reset() override;
   /// Does the same for one more cycle: the simulator removes a robot that lets it wait for 5 s.
@@ -82,6 +82,7 @@ class RcssRobot : public Robot {
   std::optional<RcssConnection> connection_;
   std::deque<Command> sent_;  ///< the front one acted in the last cycle
   int delay_ = 1;             ///< [cycles]
+  bool moved_ = true;         ///< since it stood up
   long cycles_ = 0;
   long first_ = 0;            ///< cycle of the first measurement
   bool lost_cycles_ = false;  ///< and said so
