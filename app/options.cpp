@@ -2,20 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include <utility>
 
 #include "baton/model/error.hpp"
-#include "baton/model/input_file.hpp"
 #include "baton/run/planning_thread.hpp"
 
 namespace baton::app {
-namespace {
-
-constexpr std::size_t kLongestToken = 1000;
-
-}  // namespace
 
 Modes modes_of(const ModeOptions& o) {
   return {o.duration == "search" ? DurationRule::search : DurationRule::paper,
@@ -93,19 +85,6 @@ std::optional<Calibration> calibration_in(const std::optional<std::filesystem::p
 
 bool is_address(const std::string& on) {
   return on.starts_with("tcp://");
-}
-
-std::string token_in(const std::optional<std::filesystem::path>& file) {
-  if (!file) return "";
-  const std::string text = read_input(*file, "token");
-  constexpr const char* kSpace = " \t\r\n";
-  const auto begin = text.find_first_not_of(kSpace);
-  if (begin == std::string::npos) throw InputError(fmt::format("--token {}: is empty", file->string()));
-  const std::string token = text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
-  if (token.size() > kLongestToken || std::ranges::any_of(token, [](char c) { return c < 0x20 || c > 0x7e; }))
-    throw InputError(
-        fmt::format("--token {}: must be one line of at most {} ASCII characters", file->string(), kLongestToken));
-  return token;
 }
 
 AnswerFaults faults_of(const AnswerOptions& options) {

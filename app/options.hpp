@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/commands.hpp"
+#include "baton/link/token.hpp"
 #include "baton/proving/answer_faults.hpp"
 #include "baton/proving/scenario.hpp"
 #include "baton/run/simulation.hpp"
@@ -50,9 +51,7 @@ void check_physics(const PhysicsOptions& options, const std::string& on);
 /// Whether `--on` names the address of a robot's end.
 [[nodiscard]] bool is_address(const std::string& on);
 
-/// The token in a file, without white space around it; "" without a file.
-/// @throws InputError it cannot be read, or is empty
-[[nodiscard]] std::string token_in(const std::optional<std::filesystem::path>& file);
+using link::token_in;
 
 /// Answer faults from options.
 [[nodiscard]] AnswerFaults faults_of(const AnswerOptions& options);
