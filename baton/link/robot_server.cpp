@@ -203,7 +203,9 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   if (peer.started) return refuse(peer, "protocol", "a second start");
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
   const Start start = decode_start(message.body, model_->nv() - 6);
-  if (const std::optional<std::string> why = wrong_servos(start)) return refuse(peer, "servos", *why);
+  if (const std::optional<std::string> why =
+          parameters_.set_servos ? parameters_.set_servos(start) : wrong_servos(start))
+    return refuse(peer, "servos", *why);
   if (parameters_.bare == nullptr) robot_->reset();
   if (parameters_.navigates_in != nullptr) {
     onboard_.reset();
@@ -268,6 +270,7 @@ void RobotServer::follow(Peer& peer, const Message& message) {
     target_.tau = target.tau;
     next_ = target.sequence + 1;
     rejections_ = 0;
+    if (parameters_.immediate && state_ != State::damped) robot_->write(target_);
   }
   if (parameters_.real_time) return;
   move();
@@ -292,7 +295,7 @@ void RobotServer::move() {
   } else if (!answered()) {
     target_.dq.setZero();  // nothing to follow: it stays where the last good target was
   }
-  robot_->write(target_);
+  if (!parameters_.immediate) robot_->write(target_);
   ++reading_.sequence;
   reading_.measurement = robot_->read();
 }

@@ -30,6 +30,12 @@ class RobotServer {
     std::function<std::unique_ptr<Planning>(Modes)> planning{};
     /// The robot itself, if it follows targets at the other end of a connection of its own: in real time, by its clock.
     RemoteRobot* bare = nullptr;
+    /// In real time: a target is written as soon as it has come, and once. For a robot that moves by itself, not in
+    /// `write`, and stays where the last target was.
+    bool immediate = false;
+    /// Sets the servos as a driver counts on them; says why if it cannot. Without it they are those of the profile, and
+    /// no others.
+    std::function<std::optional<std::string>(const Start&)> set_servos{};
     std::function<Clock::time_point()> now = Clock::now;
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
