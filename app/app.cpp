@@ -311,11 +311,16 @@ int parse_and_run(std::vector<std::string> args) {
   add_robot(*robot_command, robot_options);
 
   CLI::App* bridge_command = app.add_subcommand("bridge", "Be the robot's end for a robot that speaks otherwise");
-  bridge_command->require_subcommand(1);
+  bridge_command->require_subcommand(0, 1);
   BridgeRcssOptions bridge_rcss_options;
   CLI::App* bridge_rcss_command = bridge_command->add_subcommand(
       "rcss", "A Booster robot in rcssservermj, the RoboCup 3D simulator on MuJoCo (docs/rcss.md)");
   add_bridge_rcss(*bridge_rcss_command, bridge_rcss_options);
+  CLI::App* unitree_command =
+      bridge_command->add_subcommand("unitree", "Unitree G1, low level, on DDS; its --help lists the options");
+  unitree_command->set_help_flag();  // and all else is the bridge's own
+  unitree_command->prefix_command();
+  unitree_command->fallthrough(false);
 
   DampOptions damp_options;
   CLI::App* damp_command = app.add_subcommand("damp", "Let a robot's motors only brake, whoever drives it");
@@ -410,6 +415,8 @@ int parse_and_run(std::vector<std::string> args) {
   if (robot_command->parsed()) return robot(robot_options);
   if (bridge_rcss_command->parsed()) return bridge_rcss(bridge_rcss_options);
   if (damp_command->parsed()) return damp(damp_options);
+  if (unitree_command->parsed()) return bridge({"unitree", unitree_command->remaining()});
+  if (bridge_command->parsed()) throw InputError("bridge: must be followed by what it leads to: rcss or unitree");
   if (plan_command->parsed()) return plan(plan_options);
   if (verify_command->parsed()) return verify(verify_options);
   if (reproduce_command->parsed()) return reproduce(reproduce_options);

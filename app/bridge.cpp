@@ -1,8 +1,14 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
@@ -46,6 +52,23 @@ int bridge_rcss(const BridgeRcssOptions& o) {
     throw;
   }
   return kDone;
+}
+
+int bridge(const BridgeOptions& o) {
+  // A program of its own beside this one: what it needs, and what can bring it down, stays out of this one.
+  std::error_code error;
+  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program = (own.parent_path() / ("baton-bridge-" + o.to)).string();
+  std::vector<std::string> words{program};
+  words.insert(words.end(), o.options.begin(), o.options.end());
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv(program.c_str(), arguments.data());
+  throw std::runtime_error(fmt::format(
+      "bridge {}: {}: {}{}", o.to, program, std::strerror(errno),
+      errno == ENOENT ? "; it is built where Cyclone DDS is, which scripts/setup installs: make build" : ""));
 }
 
 }  // namespace baton::app

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace baton::app {
 
@@ -103,6 +104,11 @@ struct DampOptions {
   std::optional<std::filesystem::path> token;
 };
 
+struct BridgeOptions {
+  std::string to;                    ///< unitree
+  std::vector<std::string> options;  ///< of that bridge
+};
+
 struct PlanOptions {
   std::string robot = "mighty";
   std::string world = "flat";
@@ -167,6 +173,8 @@ struct ReplayOptions {
   bool verify = false;
 };
 
+/// Becomes the bridge's own program; returns only by throwing.
+int bridge(const BridgeOptions& options);
 int calibrate(const CalibrateOptions& options);
 int bridge_rcss(const BridgeRcssOptions& options);
 int check(const CheckOptions& options);

@@ -19,7 +19,14 @@ list(
   baton/plan/retrace.cpp
   baton/record/motion_file.cpp
   baton/record/output_file.cpp
-  baton/record/recording.cpp)
+  baton/record/recording.cpp
+  bridge/unitree/factory_gait.cpp
+  bridge/unitree/joints.cpp
+  bridge/unitree/messages.cpp
+  bridge/unitree/motors.cpp
+  bridge/unitree/reading.cpp
+  bridge/unitree/remote.cpp
+  tests/bridge/g1_like.cpp)
 add_library(baton_fuzzed STATIC EXCLUDE_FROM_ALL ${fuzzed_sources})
 target_compile_features(baton_fuzzed PUBLIC cxx_std_20)
 target_include_directories(baton_fuzzed PUBLIC "${CMAKE_SOURCE_DIR}")
@@ -40,7 +47,7 @@ target_link_libraries(
   PRIVATE baton_options)
 
 add_custom_target(fuzz)
-foreach(target script profile urdf page recording motion link rcss)
+foreach(target script profile urdf page recording motion link rcss unitree)
   add_executable(fuzz_${target} EXCLUDE_FROM_ALL tests/fuzz/fuzz_${target}.cpp)
   set_target_properties(fuzz_${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   target_link_libraries(fuzz_${target} PRIVATE baton_fuzzed baton_options)
