@@ -38,3 +38,10 @@ compile_folders_as_one(baton_bridge_unitree)
 target_link_libraries(
   baton_bridge_unitree PRIVATE baton_unitree baton_unitree_types baton_link CLI11::CLI11 spdlog::spdlog
                                Threads::Threads baton_options)
+
+# Who says on that network what a test tells it to.
+if(BUILD_TESTING)
+  add_executable(baton_unitree_wire tests/bridge/unitree_wire.cpp)
+  set_target_properties(baton_unitree_wire PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+  target_link_libraries(baton_unitree_wire PRIVATE baton_unitree_types baton_options)
+endif()
