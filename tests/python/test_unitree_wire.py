@@ -118,7 +118,7 @@ def network():
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        ([], "baton: bridge: must be followed by what it leads to: unitree"),
+        ([], "baton: bridge: must be followed by what it leads to: rcss or unitree"),
         (["unitree", "--interface", "nope0"], "--interface nope0: this computer has no such network interface"),
         (["unitree", "--interface", "a'/><b"], "--interface a'/><b: this computer has no such network interface"),
         (["unitree", "--robot", "mighty"], "--robot mighty: a G1 has no joint 'left_shoulder_flexion'"),
