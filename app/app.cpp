@@ -199,7 +199,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--trace", o.files.trace, "Write every tick to this .csv file");
   command.add_option("--save-model", o.files.save_model, "Write the simulated model to this .xml file");
   command.add_option("--report", o.files.report, "Write statistics of the run to this .json file");
-  command.add_option("--record", o.files.record, "Record the run to this file, for baton replay");
+  command.add_option("--record", o.files.record, "Record the run to this .mcap file, for baton replay and viewers");
 }
 
 void add_soak(CLI::App& command, SoakOptions& o) {
@@ -275,7 +275,7 @@ void complain_of_missing(const CLI::App& app) {
 
 int parse_and_run(std::vector<std::string> args) {
   CLI::App app{"baton: one stick guides a whole humanoid, and nothing done with the stick can make it fall"};
-  app.set_version_flag("--version", std::string("baton ") + BATON_VERSION);
+  app.set_version_flag("--version", "baton " + version());
   app.require_subcommand(0, 1);
 
   bool verbose = false;
@@ -431,6 +431,10 @@ int parse_and_run(std::vector<std::string> args) {
 }
 
 }  // namespace
+
+std::string version() {
+  return BATON_VERSION;
+}
 
 int run(const std::vector<std::string>& args) {
   // Standard output is for results; the log goes to standard error.

@@ -6,6 +6,9 @@
 
 namespace baton::app {
 
+/// "0.1.0"
+std::string version();
+
 /// Exit codes.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;

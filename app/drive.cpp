@@ -107,7 +107,7 @@ int drive(const DriveOptions& o) {
                            {"state", o.physics.state},
                            {"drive", std::string(to_string(robot.profile().drive))}};
     if (engaging()) head["start"] = vector_json(parameters.start->q);
-    outputs.record(session, *o.files.record, head);
+    outputs.record(session, *o.files.record, head, !o.fast, parameters.physics.plant.pushes);
   }
 
   std::optional<View> view;
@@ -188,9 +188,11 @@ int drive(const DriveOptions& o) {
                                      : !broken.empty()            ? "not followed to its end"
                                      : session.truth() == nullptr ? "on its feet, as far as its sensors tell"
                                                                   : "on its feet";
-    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}\n", session.t(), o.on,
+    const bool recorded = !summary.contains("recording") || summary["recording"]["complete"].get<bool>();
+    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}{}\n", session.t(), o.on,
                world.name(), summary["segments"]["committed"].get<long>(), number(commands["moved"], "{:.0f}"),
-               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"), how_it_ended);
+               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"), how_it_ended,
+               recorded ? "" : "; the recording is not complete");
     std::fflush(stdout);
   };
   if (!session.fallen()) {

@@ -1,8 +1,16 @@
 #include "app/outputs.hpp"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
+#include <spdlog/spdlog.h>
 
+#include <sstream>
+
+#include "app/app.hpp"
+#include "baton/model/derive.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
+#include "baton/model/toml_reader.hpp"
 
 namespace baton::app {
 namespace {
@@ -16,6 +24,15 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(link_target(file), ignored), ignored);
   };
   return name(a) == name(b);
+}
+
+/// The robot's profile with all that is derived, as TOML.
+std::string derived_profile(const std::filesystem::path& file) {
+  const bool given = file.extension() == ".toml";
+  const toml::table table = given ? parse_toml(file, "profile") : toml::table{{"model", file.filename().string()}};
+  std::ostringstream text;
+  text << complete(table, file.parent_path(), file.string()).table << '\n';
+  return text.str();
 }
 
 }  // namespace
@@ -62,14 +79,30 @@ Outputs::Outputs(Simulation& simulation, const std::optional<std::filesystem::pa
   if (trace) session.add(trace_.emplace(session.model(), *trace));
 }
 
-void Outputs::record(Session& session, const std::filesystem::path& file, const nlohmann::json& head) {
-  session.add(recording_.emplace(file, head));
+void Outputs::record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
+                     const std::vector<Push>& pushes) {
+  const std::string profile = derived_profile(profile_file(head.at("robot")));
+  head.update({{"baton", version()},
+               {"mujoco", mj_versionString()},
+               {"model_sum", checksum(read_input(session.model().profile().model, "model"))},
+               {"world_sum", checksum(read_input(session.world().file(), "world"))},
+               {"profile_sum", checksum(profile)}});
+  session.add(recording_.emplace(
+      session.model(), file, head,
+      RecordingWriter::Parameters{.live = live,
+                                  .pushes = pushes,
+                                  .attachments = {{"profile.toml", "application/toml", profile}},
+                                  .warn = [](const std::string& why) { spdlog::warn("{}; the run goes on", why); }}));
 }
 
 nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed, double wall,
                               const nlohmann::json& extra) {
   nlohmann::json summary = report_.json(world, on, seed, wall);
   summary.update(extra);
+  if (recording_) {  // it does not decide how the run ends
+    const std::string incomplete = recording_->close();
+    summary["recording"] = {{"complete", incomplete.empty()}, {"why", incomplete}};
+  }
   std::string failed;
   const auto attempt = [&failed](const auto& done) {
     try {
@@ -80,7 +113,6 @@ nlohmann::json Outputs::write(const std::string& world, const std::string& on, l
   };
   if (report_file_) attempt([&] { report_file_->write(summary.dump(2) + '\n'); });
   if (trace_) attempt([&] { trace_->close(); });
-  if (recording_) attempt([&] { recording_->close(); });
   if (!failed.empty()) throw std::runtime_error(failed);
   return summary;
 }

@@ -50,12 +50,16 @@ class Outputs {
   Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
-  /// Also records the run, for `baton replay`.
-  /// @param head robot, world and modes of the run
-  /// @throws InputError the file cannot be written
-  void record(Session& session, const std::filesystem::path& file, const nlohmann::json& head);
+  /// Also records the run, for `baton replay`. Warns once when the recording cannot be complete.
+  /// @param head robot, world and modes of the run; what they were made of is added
+  /// @param live the run is in real time
+  /// @param pushes that the robot will get
+  /// @throws InputError the file cannot be opened
+  void record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
+              const std::vector<Push>& pushes);
 
-  /// Writes the report with the members of `extra` added, closes trace and recording, and returns the report.
+  /// Closes the recording, writes the report with the members of `extra` and what became of the recording added,
+  /// closes the trace, and returns the report.
   /// @throws std::runtime_error a file was not written completely; the others are
   nlohmann::json write(const std::string& world, const std::string& on, long seed, double wall,
                        const nlohmann::json& extra = nlohmann::json::object());

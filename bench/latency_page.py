@@ -21,6 +21,7 @@ import threading
 import time
 import tomllib
 
+from mcap.reader import make_reader
 from websockets.sync.client import connect
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -153,34 +154,37 @@ def began(stick):
 
 
 def read_recording(recording):
-    """Active command and joint angles of each tick; tick of each planning request → tick of its answer."""
-    commands, targets, asks = [], [], {}
-    with open(recording) as lines:
-        next(lines)
-        for tick, line in enumerate(lines):
-            row = json.loads(line)
-            commands.append(row.get("c", commands[-1] if commands else None))
-            targets.append(row["target"])
-            for event in row.get("events", ()):
-                if event == "ask":
+    """Active command of each tick; tick of each planning request → tick of its answer."""
+    commands, asks = [], {}
+    with open(recording, "rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
+            tick = message.sequence
+            while len(commands) <= tick:
+                commands.append(commands[-1] if commands else None)
+            if channel.topic == "/baton/command":
+                commands[tick] = json.loads(message.data)
+            elif channel.topic == "/baton/planner":
+                if json.loads(message.data)["call"] == "ask":
                     asks[tick] = math.inf
                 else:
                     asks[max(asks)] = tick
-    return commands, targets, asks
+    return commands, asks
 
 
-def columns(trace, *names):
+def columns(trace, *begins):
+    """The columns of a trace whose names begin so, in the trace's order."""
     with open(trace) as lines:
         head = next(lines).rstrip("\n").split(",")
-        places = [head.index(name) for name in names]
+        places = [place for place, name in enumerate(head) if name.startswith(begins)]
         rows = [line.rstrip("\n").split(",") for line in lines]
     return [[row[place] for row in rows] for place in places]
 
 
 def find_answers(changes, recording, trace, offset, tick):
     """Fills in the outcome of the changes; `tick`: the profile's table."""
-    commands, targets, asks = read_recording(recording)
-    phases, segments = columns(trace, "phase", "segment")
+    commands, asks = read_recording(recording)
+    segments, phases, *joints = columns(trace, "segment", "phase", "target_")
+    targets = [[float(angle) for angle in row] for row in zip(*joints)]
     begun = [k for k in range(1, len(segments)) if segments[k] != segments[k - 1] and segments[k] != "-1"]
     # A motion answers the command of the last tick at which the planner was asked before it.
     asked = {k: max(a for a in asks if a < k) for k in begun}
@@ -211,7 +215,7 @@ def measure(program, robot, count, seed, folder):
     profile_file = pathlib.Path(robot) if robot.endswith(".toml") else ROOT / "robots" / robot / "profile.toml"
     profile = tomllib.loads(profile_file.read_text())
     tick = profile["tick"]
-    outputs = {"--trace": folder / "trace.csv", "--record": folder / "run.jsonl", "--report": folder / "report.json"}
+    outputs = {"--trace": folder / "trace.csv", "--record": folder / "run.mcap", "--report": folder / "report.json"}
     options = ["--robot", robot, "--world", "flat", "--on", "ideal", "--input", "page", "--port", "0"]
     options += [str(word) for pair in outputs.items() for word in pair]
     baton = subprocess.Popen([program, "drive", *options], stdout=subprocess.PIPE, text=True)

@@ -16,10 +16,14 @@ list(
   baton/input/json_reader.cpp
   baton/input/script.cpp
   baton/link/message.cpp
+  baton/mcap/format.cpp
+  baton/mcap/reader.cpp
   baton/plan/retrace.cpp
   baton/record/motion_file.cpp
   baton/record/output_file.cpp
-  baton/record/recording.cpp
+  baton/record/recording_channels.cpp
+  baton/record/recording_reader.cpp
+  baton/record/ros_messages.cpp
   bridge/unitree/factory_gait.cpp
   bridge/unitree/joints.cpp
   bridge/unitree/messages.cpp
@@ -43,6 +47,8 @@ target_link_libraries(
          nlohmann_json::nlohmann_json
          tomlplusplus::tomlplusplus
          pugixml::pugixml
+         PkgConfig::Zstd
+         ZLIB::ZLIB
          assimp::assimp
   PRIVATE baton_options)
 

@@ -22,11 +22,6 @@ std::string failure(const std::filesystem::path& file, const std::string& what, 
                      error == ENXIO ? "it has no reader" : std::strerror(error));
 }
 
-std::string not_whole(const std::filesystem::path& file, const std::string& what, int error) {
-  return fmt::format("{} {}: could not be written completely: {}", what, file.string(),
-                     error == 0 ? "is the disk full?" : std::strerror(error));
-}
-
 /// Opens an existing file without blocking or truncating.
 int open_existing(const std::filesystem::path& file) {
   return open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
@@ -100,6 +95,17 @@ void OutputFile::write(std::string_view text) {
 
 void write_whole(const std::filesystem::path& file, const std::string& what, std::string_view text) {
   OutputFile(file, what).write(text);
+}
+
+std::string not_whole(const std::filesystem::path& file, const std::string& what, int error) {
+  return fmt::format("{} {}: could not be written completely: {}", what, file.string(),
+                     error == 0 ? "is the disk full?" : std::strerror(error));
+}
+
+int open_descriptor(const std::filesystem::path& file, const std::string& what) {
+  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (fd < 0) throw InputError(failure(file, what, errno));
+  return fd;
 }
 
 std::ofstream open_stream(const std::filesystem::path& file, const std::string& what) {

@@ -40,6 +40,14 @@ class OutputFile {
 /// @throws InputError, std::runtime_error as above
 void write_whole(const std::filesystem::path& file, const std::string& what, std::string_view text);
 
+/// Opens and truncates a file, as a descriptor that does not block.
+/// @throws InputError the file cannot be opened, or is a pipe without a reader
+[[nodiscard]] int open_descriptor(const std::filesystem::path& file, const std::string& what);
+
+/// That a file was not written completely, and why.
+/// @param error as in errno; 0: unknown
+[[nodiscard]] std::string not_whole(const std::filesystem::path& file, const std::string& what, int error);
+
 /// Opens a file for incremental output.
 /// @throws InputError the file cannot be opened, or is a pipe without a reader
 [[nodiscard]] std::ofstream open_stream(const std::filesystem::path& file, const std::string& what);

@@ -66,12 +66,12 @@ TEST(Calibrate, ACalibratedRobotDrivesAndItsRecordingReplays) {
                                   script,      "--fast",
                                   "--seconds", "4",
                                   "--seed",    "6",
-                                  "--record",  scratch.path("run.jsonl"),
+                                  "--record",  scratch.path("run.mcap"),
                                   "--trace",   scratch.path(calibrated ? "yes.csv" : "no.csv")};
     if (calibrated) args.insert(args.end(), {"--calibration", file});
     const Outcome outcome = run(args);
     ASSERT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
-    const Outcome again = run({"replay", scratch.path("run.jsonl"), "--verify"});
+    const Outcome again = run({"replay", scratch.path("run.mcap"), "--verify"});
     EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
     EXPECT_THAT(again.out, HasSubstr("identical bit for bit"));
   }

@@ -71,7 +71,7 @@ TEST_F(Outputs, OnAFullDiskEveryOneIsNamedAndTheExitCodeIsOne) {
   };
   for (const Case& c :
        {Case{drive({"--report", full}), "--report", full}, Case{drive({"--trace", full}), "--trace", full},
-        Case{drive({"--save-model", full}), "--save-model", full}, Case{drive({"--record", full}), "--record", full},
+        Case{drive({"--save-model", full}), "--save-model", full},
         Case{{"operate", "--seconds", "0.5", "--on", "ideal", "--report", full}, "--report", full},
         Case{{"operate", "--seconds", "0.5", "--on", "ideal", "--trace", full}, "--trace", full},
         Case{{"operate", "--seconds", "0.5", "--on", "ideal", "--script", full}, "--script", full},
@@ -84,9 +84,9 @@ TEST_F(Outputs, OnAFullDiskEveryOneIsNamedAndTheExitCodeIsOne) {
     EXPECT_THAT(outcome.err, HasSubstr(c.option + " " + c.file + ": could not be written completely"));
     EXPECT_TRUE(fs::is_character_file(full));
   }
-  const Outcome both = run(drive({"--report", full, "--trace", full, "--record", scratch_.path("run.jsonl")}));
+  const Outcome both = run(drive({"--report", full, "--trace", full, "--record", scratch_.path("run.mcap")}));
   EXPECT_THAT(both.err, AllOf(HasSubstr("--report"), HasSubstr("--trace"), testing::Not(HasSubstr("--record"))));
-  EXPECT_EQ(run({"replay", scratch_.path("run.jsonl"), "--verify"}).code, app::kDone) << "the others are whole";
+  EXPECT_EQ(run({"replay", scratch_.path("run.mcap"), "--verify"}).code, app::kDone) << "the others are whole";
 }
 
 TEST_F(Outputs, SoIsStandardOutput) {

@@ -37,7 +37,7 @@ TEST_F(HotProgramTest, AWalkGoesOnWithPausesAndTheReportSaysSo) {
   const std::vector<std::string> drive{"drive",     "--world", "flat",    "--input", "script:" + stick, "--fast",
                                        "--seconds", "40",      "--plant", "model",   "--robot",         small_motors()};
   std::vector<std::string> args = drive;
-  args.insert(args.end(), {"--report", scratch_.path("hot.json"), "--record", scratch_.path("hot.rec")});
+  args.insert(args.end(), {"--report", scratch_.path("hot.json"), "--record", scratch_.path("hot.mcap")});
   ASSERT_EQ(run(args).code, 0);
   args = drive;
   args.back() = "mighty";
@@ -58,7 +58,7 @@ TEST_F(HotProgramTest, AWalkGoesOnWithPausesAndTheReportSaysSo) {
   EXPECT_GT(hot["travel_m"], 0.3) << "it goes on";
   EXPECT_LT(hot["travel_m"], cool["travel_m"]);
 
-  const test::Outcome replayed = run({"replay", scratch_.path("hot.rec"), "--verify"});
+  const test::Outcome replayed = run({"replay", scratch_.path("hot.mcap"), "--verify"});
   EXPECT_EQ(replayed.code, 0) << replayed.out << replayed.err;
 }
 

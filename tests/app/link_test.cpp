@@ -43,14 +43,14 @@ TEST_P(DriveOverALinkTo, TraceRecordingAndReportAreThoseOfARunWithTheSimulatorIn
   const auto drive = [&](const std::string& on, const std::string& name) {
     return run({"drive", "--on", on, "--world", "flat", "--seed", "4", "--input", "script:" + script, "--fast",
                 "--seconds", "5", "--trace", scratch.path(name + ".csv"), "--report", scratch.path(name + ".json"),
-                "--record", scratch.path(name + ".jsonl")});
+                "--record", scratch.path(name + ".mcap")});
   };
   ASSERT_EQ(drive("sim", "inside").code, app::kDone);
   const Outcome there = drive(end.address, "there");
   ASSERT_EQ(there.code, app::kDone) << there.err;
   EXPECT_GT(scratch.read("inside.csv").size(), 100'000U);
   EXPECT_TRUE(scratch.read("inside.csv") == scratch.read("there.csv"));
-  EXPECT_TRUE(scratch.read("inside.jsonl") == scratch.read("there.jsonl"));
+  EXPECT_TRUE(scratch.read("inside.mcap") == scratch.read("there.mcap"));
   nlohmann::json inside_report = scratch.json("inside.json");
   nlohmann::json there_report = scratch.json("there.json");
   EXPECT_EQ(there_report["link"]["address"], end.address);
@@ -64,7 +64,7 @@ TEST_P(DriveOverALinkTo, TraceRecordingAndReportAreThoseOfARunWithTheSimulatorIn
       report->erase(time);
   }
   EXPECT_EQ(inside_report, there_report);
-  EXPECT_EQ(run({"replay", scratch.path("there.jsonl"), "--verify"}).code, app::kDone);
+  EXPECT_EQ(run({"replay", scratch.path("there.mcap"), "--verify"}).code, app::kDone);
 }
 
 TEST(DriveOverALink, ATokenComesFromAFile) {

@@ -10,6 +10,7 @@
 #include "app/outputs.hpp"
 #include "baton/input/script.hpp"
 #include "baton/proving/stick.hpp"
+#include "tests/support/recording_edit.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -17,6 +18,7 @@ namespace baton {
 namespace {
 
 using test::Outcome;
+using test::RecordingParts;
 using test::run;
 using test::Scratch;
 using testing::HasSubstr;
@@ -47,16 +49,20 @@ class Replay : public testing::Test {
     ASSERT_EQ(outcome.code, app::kDone) << outcome.err;
   }
 
-  [[nodiscard]] std::vector<std::string> lines() const {
-    std::ifstream in(file_);
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(in, line);)
-      lines.push_back(line);
-    return lines;
+  void write(const RecordingParts& parts, bool finished = true) const { std::ofstream(file_) << parts.bytes(finished); }
+  /// What replays of a recording with one message changed say.
+  [[nodiscard]] Outcome replayed_with(RecordingParts parts, const std::string& topic, std::uint32_t tick,
+                                      const std::function<void(nlohmann::json&)>& change) const {
+    RecordingParts::Part& part = parts.at(topic, tick);
+    nlohmann::json message = part.json();
+    change(message);
+    part.data = message.dump();
+    write(parts);
+    return run({"replay", file_, "--verify"});
   }
 
   Scratch scratch_;
-  std::string file_ = scratch_.path("run.jsonl");
+  std::string file_ = scratch_.path("run.mcap");
 };
 
 TEST_F(Replay, GivesTheSameJointTargetsBitByBit) {
@@ -110,130 +116,127 @@ TEST_F(Replay, TellsWhichSensorsWereNotBelievedAndNoticesADifference) {
   record("sim", {"--fast", "--scenario", "glitches", "--times", "20", "--seed", "4"});
   const Outcome again = run({"replay", file_, "--verify"});
   EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
-  std::vector<std::string> text = lines();
+  const RecordingParts parts(file_);
   long changes = 0;
-  std::size_t changed = 0;
-  for (std::size_t k = 1; k < text.size(); ++k) {
-    const nlohmann::json line = nlohmann::json::parse(text[k]);
-    if (!line.contains("sensors")) continue;
-    for (const auto& [sensor, health] : line["sensors"].items()) {
-      ++changes;
-      EXPECT_THAT(again.out, HasSubstr("tick " + std::to_string(k - 1) + ": sensor " + sensor + " is " +
-                                       health.get<std::string>() + "\n"));
-    }
-    changed = k;
+  std::uint32_t changed = 0;
+  for (const RecordingParts::Part& part : parts.messages) {
+    if (part.topic != "/baton/events") continue;
+    const nlohmann::json event = part.json();
+    if (event["event"] != "sensor") continue;
+    ++changes;
+    EXPECT_THAT(again.out,
+                HasSubstr("tick " + std::to_string(part.sequence) + ": sensor " + event["sensor"].get<std::string>() +
+                          " is " + event["health"].get<std::string>() + "\n"));
+    changed = part.sequence;
   }
   ASSERT_GT(changes, 4);
   EXPECT_EQ(std::count(again.out.begin(), again.out.end(), '\n'), changes + 1);
 
-  const auto with = [&](const std::function<void(nlohmann::json&)>& change) {
-    nlohmann::json line = nlohmann::json::parse(text[changed]);
-    change(line);
-    std::ofstream out(file_);
-    for (std::size_t k = 0; k < text.size(); ++k)
-      out << (k == changed ? line.dump() : text[k]) << '\n';
-    out.close();
-    return run({"replay", file_, "--verify"});
-  };
-  const Outcome other = with([](nlohmann::json& line) { line.erase("sensors"); });
+  const Outcome other = replayed_with(parts, "/baton/events", changed, [](auto& event) { event["health"] = "ill"; });
   EXPECT_EQ(other.code, app::kFailed);
-  EXPECT_THAT(other.out, HasSubstr("the sensors' health differs from the recorded one"));
-  const Outcome bad = with([](nlohmann::json& line) { line["sensors"].begin().value() = "ill"; });
-  EXPECT_EQ(bad.code, app::kBadInput);
-  EXPECT_THAT(bad.err, HasSubstr("must be good, bridged or lost"));
-  const Outcome unknown = with([](nlohmann::json& line) { line["sensors"]["nose"] = "lost"; });
-  EXPECT_EQ(unknown.code, app::kBadInput);
-  EXPECT_THAT(unknown.err, HasSubstr("must be an object whose keys are sensors"));
+  EXPECT_THAT(other.out, HasSubstr("tick " + std::to_string(changed) + ": "));
+  EXPECT_THAT(other.out, HasSubstr("in the recording"));
+  EXPECT_THAT(other.out, HasSubstr("\"health\":\"ill\""));
 }
 
 TEST_F(Replay, NoticesAnythingElse) {
   record("ideal", {"--fast"});
-  std::vector<std::string> text = lines();
-  ASSERT_EQ(text.size(), 601u);
-  const auto write = [&] {
-    std::ofstream out(file_);
-    for (const std::string& line : text)
-      out << line << '\n';
-  };
+  const RecordingParts parts(file_);
+  ASSERT_EQ(parts.count("/baton/tick"), 600);
   // Another command, early: other targets later.
-  const std::string original = text[21];
-  ASSERT_THAT(original, HasSubstr("\"axes\":[1.0,0.3"));
-  text[21].replace(text[21].find("[1.0,0.3"), 8, "[0.9,0.3");
-  write();
-  const Outcome other = run({"replay", file_, "--verify"});
+  const Outcome other = replayed_with(parts, "/baton/command", 20, [](auto& c) { c["axes"][0] = 0.9; });
   EXPECT_EQ(other.code, app::kFailed);
-  EXPECT_THAT(other.out, HasSubstr("the joint targets differ"));
-  text[21] = original;
+  EXPECT_THAT(other.out, HasSubstr("the joint targets differ from the recorded ones by up to "));
 
-  // A recording that ends in the middle of a line was cut off by the end of the process.
-  text.back().resize(text.back().size() / 2);
-  write();
-  std::filesystem::resize_file(file_, std::filesystem::file_size(file_) - 1);
-  const Outcome cut = run({"replay", file_, "--verify"});
-  EXPECT_EQ(cut.code, app::kDone) << cut.err;
-  EXPECT_THAT(cut.out, HasSubstr("599 ticks"));
+  // A file that was not finished is replayed to its end.
+  RecordingParts cut = parts;
+  std::erase_if(cut.messages, [](const auto& part) { return part.sequence >= 590; });
+  write(cut, false);
+  const Outcome unfinished = run({"replay", file_, "--verify"});
+  EXPECT_EQ(unfinished.code, app::kDone) << unfinished.err;
+  EXPECT_THAT(unfinished.out, HasSubstr("590 ticks"));
+  EXPECT_THAT(unfinished.out, HasSubstr("the recording was not finished"));
 
-  text[300] = "{}";
-  write();
-  const Outcome broken = run({"replay", file_, "--verify"});
+  // A gap, as after a disk that was too slow.
+  cut = parts;
+  std::erase_if(cut.messages, [](const auto& part) { return part.sequence >= 300 && part.sequence < 340; });
+  write(cut);
+  const Outcome gap = run({"replay", file_, "--verify"});
+  EXPECT_EQ(gap.code, app::kFailed);
+  EXPECT_THAT(gap.out, HasSubstr("300 ticks"));
+  EXPECT_THAT(gap.out, HasSubstr("tick 299: 40 ticks are missing"));
+
+  const Outcome broken = replayed_with(parts, "/baton/tick", 300, [](auto& tick) { tick = nlohmann::json::array(); });
   EXPECT_EQ(broken.code, app::kBadInput);
-  EXPECT_THAT(broken.err, HasSubstr("line 301"));
-  EXPECT_EQ(run({"replay", scratch_.path("none.jsonl")}).code, app::kBadInput);
-  EXPECT_EQ(run({"replay", scratch_.write("other.json", "{\"a\": 1}\n")}).code, app::kBadInput);
+  EXPECT_THAT(broken.err, HasSubstr("tick 300: /baton/tick"));
+  EXPECT_EQ(run({"replay", scratch_.path("none.mcap")}).code, app::kBadInput);
+  const Outcome old = run({"replay", scratch_.write("other.json", "{\"baton_recording\": 2}\n")});
+  EXPECT_EQ(old.code, app::kBadInput);
+  EXPECT_THAT(old.err, HasSubstr("is not an MCAP file"));
 }
 
 TEST_F(Replay, HoldsTheTargetsThemselvesToTheRecordedOnes) {
   record("ideal", {"--fast"});
-  const std::vector<std::string> text = lines();
+  const RecordingParts parts(file_);
   struct Change {
-    std::size_t line;
-    std::size_t joint;
+    std::uint32_t tick;
+    Eigen::Index joint;
     double by;  ///< 0: the next number
   };
-  for (const Change& change : {Change{300, 5, 0.1}, Change{1, 0, 0.0}, Change{600, 19, 0.0}}) {
-    nlohmann::json line = nlohmann::json::parse(text[change.line]);
-    const double was = line["target"][change.joint];
-    line["target"][change.joint] = change.by != 0.0 ? was + change.by : std::nextafter(was, 10.0);
-    std::ofstream out(file_);
-    for (std::size_t i = 0; i < text.size(); ++i)
-      out << (i == change.line ? line.dump() : text[i]) << '\n';
-    out.close();
+  for (const Change& change : {Change{299, 5, 0.1}, Change{0, 0, 0.0}, Change{599, 19, 0.0}}) {
+    RecordingParts changed = parts;
+    std::string& data = changed.at("/joint_targets", change.tick).data;
+    ros::JointState message;
+    decode(data, message);
+    double& was = message.position[change.joint];
+    was = change.by != 0.0 ? was + change.by : std::nextafter(was, 10.0);
+    encode(data, message);
+    write(changed);
     const Outcome other = run({"replay", file_, "--verify"});
-    EXPECT_EQ(other.code, app::kFailed) << change.line;
-    EXPECT_THAT(other.out, HasSubstr("tick " + std::to_string(change.line - 1) + ": the joint targets differ"));
+    EXPECT_EQ(other.code, app::kFailed) << change.tick;
+    EXPECT_THAT(other.out, HasSubstr("tick " + std::to_string(change.tick) + ": the joint targets differ"));
+    EXPECT_THAT(other.out, HasSubstr(message.name[static_cast<std::size_t>(change.joint)]));
+    EXPECT_THAT(other.out, HasSubstr(change.by != 0.0 ? "by up to 0.1 rad" : "rad, at "));
     EXPECT_EQ(run({"replay", file_}).code, app::kDone) << "without --verify it is only summed up";
   }
+  const Outcome sum = replayed_with(parts, "/baton/tick", 7, [](auto& tick) { tick["sum"] = "0123456789abcdef"; });
+  EXPECT_EQ(sum.code, app::kFailed);
+  EXPECT_THAT(sum.out, HasSubstr("tick 7: the joint targets differ"));
 }
 
 TEST_F(Replay, WhatItReadsWrongIsOneLineAndExitCodeTwo) {
   record("ideal", {"--fast"});
-  const std::vector<std::string> text = lines();
-  const auto refused = [&](const std::string& all, const std::string& says) {
+  const RecordingParts parts(file_);
+  const auto refused = [&](const std::string& key, const std::string& value, const std::string& says) {
+    RecordingParts changed = parts;
+    changed.metadata[key] = value;
+    write(changed);
     for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--verify"}}) {
-      std::vector<std::string> args{"replay", scratch_.write("bad.jsonl", all)};
+      std::vector<std::string> args{"replay", file_};
       args.insert(args.end(), more.begin(), more.end());
       const Outcome outcome = run(args);
       EXPECT_EQ(outcome.code, app::kBadInput) << outcome.out;
-      EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("bad.jsonl"), HasSubstr(says)));
+      EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("run.mcap"), HasSubstr(says)));
       EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     }
   };
-  const auto changed = [&](std::size_t i, const std::string& pointer, const nlohmann::json& value) {
-    nlohmann::json line = nlohmann::json::parse(text[i]);
-    line[nlohmann::json::json_pointer(pointer)] = value;
-    std::string all;
-    for (std::size_t k = 0; k < 4; ++k)
-      all += (k == i ? line.dump() : text[k]) + '\n';
-    return all;
-  };
-  refused(changed(2, "/m/dq", nlohmann::json::array()), "line 3: m.dq has 0 members: must be a list of 20 numbers");
-  refused(changed(2, "/m/dq", {1.0, 2.0, 3.0}), "line 3: m.dq has 3 members");
-  refused(changed(1, "/c/recall", 9), "line 2: c.recall = 9");
-  refused(changed(0, "/gait", "gallop"), "line 1: gait = \"gallop\": must be stop or flow");
-  refused(changed(0, "/world", "nowhere"), "line 1: world 'nowhere'");
-  refused(changed(0, "/robot", "nobody"), "line 1: robot 'nobody'");
-  refused(changed(0, "/world", 5), "line 1: world = 5");
-  refused(text[0] + '\n', "holds no ticks");
+  refused("gait", "gallop", "gait = \"gallop\": must be stop or flow");
+  refused("world", "nowhere", "world 'nowhere'");
+  refused("robot", "nobody", "robot 'nobody'");
+  refused("start", "[1, 2]", "start has 2 members: must be a list of 27 numbers");
+  refused("recording", "4", "recording = 4: must be 3");
+}
+
+TEST_F(Replay, SaysWhatARunWasMadeOf) {
+  record("ideal", {"--fast"});
+  const mcap::Reader reader(file_, "recording");
+  const mcap::Metadata& head = reader.metadata().at("baton");
+  EXPECT_EQ(head.at("baton"), app::version());
+  EXPECT_EQ(head.at("mujoco"), "3.17.0");
+  const mcap::Attachment& profile = reader.attachments().at("profile.toml");
+  EXPECT_EQ(head.at("profile_sum"), checksum(profile.data));
+  EXPECT_THAT(profile.data, HasSubstr("[stance]"));
+  EXPECT_THAT(profile.data, HasSubstr("com_height"));
 }
 
 }  // namespace

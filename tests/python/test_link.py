@@ -244,9 +244,9 @@ def test_a_robot_that_stands_otherwise_takes_its_stance_first(tmp_path):
     (tmp_path / "robot.py").write_text(moved)
     trace = tmp_path / "trace.csv"
     with RobotsEnd(sys.executable, tmp_path / "robot.py", "0") as end:
-        done = drive(end.address, 6, "--state", "torques", "--trace", trace, "--record", tmp_path / "r.jsonl")
+        done = drive(end.address, 6, "--state", "torques", "--trace", trace, "--record", tmp_path / "r.mcap")
     assert done.returncode == 0, done.stderr
-    again = subprocess.run([BATON, "replay", tmp_path / "r.jsonl", "--verify"], capture_output=True, text=True)
+    again = subprocess.run([BATON, "replay", tmp_path / "r.mcap", "--verify"], capture_output=True, text=True)
     assert again.returncode == 0, again.stdout + again.stderr
     assert "takes its stance first" in done.stderr and "in its stance" in done.stderr
     with trace.open() as file:

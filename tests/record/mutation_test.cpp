@@ -145,13 +145,15 @@ TEST_F(Mutated, Profile) {
 
 TEST_F(Mutated, Recording) {
   ran({"drive", "--on", "sim", "--world", "flat", "--fast", "--seconds", "0.02", "--input",
-       "script:" + scratch_.write("s.jsonl", script_), "--record", scratch_.path("good.jsonl")});
-  const Eigen::Index joints = test::robot("mighty").nv() - 6;
-  expect_read_or_refused(scratch_.read("good.jsonl"), "run.jsonl", [&](const auto& file) {
+       "script:" + scratch_.write("s.jsonl", script_), "--record", scratch_.path("good.mcap")});
+  std::vector<std::string> joints;
+  for (const Joint& joint : test::robot("mighty").joints())
+    joints.push_back(joint.name);
+  expect_read_or_refused(scratch_.read("good.mcap"), "run.mcap", [&](const auto& file) {
     RecordingReader reader(file);
     while (const auto tick = reader.next(joints)) {
       for (const VecX* v : {&tick->measurement.q, &tick->measurement.dq, &tick->target})
-        ASSERT_EQ(v->size(), joints);
+        ASSERT_EQ(v->size(), std::ssize(joints));
       ASSERT_LE(static_cast<int>(tick->command.recall), static_cast<int>(Recall::stop));
     }
   });

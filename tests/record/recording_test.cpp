@@ -3,7 +3,16 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <bit>
+#include <random>
+
+#include "baton/ik/stand.hpp"
 #include "baton/model/error.hpp"
+#include "baton/robot/ideal_robot.hpp"
+#include "baton/run/session.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/recording_edit.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -11,175 +20,362 @@ namespace baton {
 namespace {
 
 using nlohmann::json;
+using test::RecordingParts;
 using test::Scratch;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+std::vector<std::string> joint_names(const RobotModel& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints())
+    names.push_back(joint.name);
+  return names;
+}
+
 class Recording : public testing::Test {
  protected:
-  Recording() {
+  explicit Recording(const std::string& state = "sensors") {
     const std::string script = scratch_.write("s.jsonl", R"({"t": 0, "axes": [1, 0, 0, 0, 0, 0]})");
-    const test::Outcome outcome = test::run({"drive", "--on", "sim", "--world", "flat", "--fast", "--seconds", "0.02",
-                                             "--input", "script:" + script, "--record", scratch_.path("good.jsonl")});
+    const test::Outcome outcome =
+        test::run({"drive", "--on", "sim", "--world", "flat", "--fast", "--seconds", "0.02", "--state", state,
+                   "--input", "script:" + script, "--record", scratch_.path("good.mcap")});
     EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
-    std::istringstream text(scratch_.read("good.jsonl"));
-    for (std::string line; std::getline(text, line);)
-      lines_.push_back(json::parse(line));
-    EXPECT_EQ(lines_.size(), 5U);
+    good_.emplace(scratch_.path("good.mcap"));
+    EXPECT_EQ(good_->count("/baton/tick"), 4);
   }
 
-  /// What is said of the recording with that line in the place of its own; empty: nothing.
-  [[nodiscard]] std::string complaint(std::size_t index, const json& line) const {
-    std::string text;
-    for (std::size_t i = 0; i < lines_.size(); ++i)
-      text += (i == index ? line : lines_[i]).dump() + '\n';
-    return complaint(text);
-  }
-  [[nodiscard]] std::string complaint(const std::string& text) const {
+  /// What is said of a recording; empty: nothing.
+  [[nodiscard]] std::string complaint(const RecordingParts& parts) const {
     try {
-      RecordingReader reader(scratch_.write("run.jsonl", text));
+      RecordingReader reader(scratch_.write("run.mcap", parts.bytes()));
       while (reader.next(joints_)) {
       }
     } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), AllOf(HasSubstr("run.jsonl"), Not(HasSubstr("\n")), Not(HasSubstr("exception"))));
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("run.mcap"), Not(HasSubstr("\n")), Not(HasSubstr("exception"))));
       return error.what();
     }
     return "";
   }
+  /// The same with a message changed.
+  [[nodiscard]] std::string complaint(const std::string& topic, std::uint32_t tick,
+                                      const std::function<void(json&)>& change) const {
+    RecordingParts parts = *good_;
+    json message = parts.at(topic, tick).json();
+    change(message);
+    parts.at(topic, tick).data = message.dump();
+    return complaint(parts);
+  }
+  template <typename Message>
+  [[nodiscard]] std::string complaint_of(const std::string& topic, const std::function<void(Message&)>& change) const {
+    RecordingParts parts = *good_;
+    std::string& data = parts.at(topic, 2).data;
+    Message message;
+    ros::decode(data, message);
+    change(message);
+    ros::encode(data, message);
+    return complaint(parts);
+  }
 
   Scratch scratch_;
-  std::vector<json> lines_;
-  const Eigen::Index joints_ = test::robot("mighty").nv() - 6;
+  std::optional<RecordingParts> good_;
+  const std::vector<std::string> joints_ = joint_names(test::robot("mighty"));
 };
 
-/// "/m/imu/0" as messages have it: "m.imu[0]".
-std::string field(const std::string& pointer) {
-  std::string name;
-  for (std::size_t i = 1; i < pointer.size(); ++i) {
-    const bool index = i + 1 < pointer.size() && pointer[i] == '/' && std::isdigit(pointer[i + 1]) != 0;
-    if (index) {
-      name += std::string("[") + pointer[++i] + "]";
-    } else {
-      name += pointer[i] == '/' ? '.' : pointer[i];
-    }
+class PerfectRecording : public Recording {
+ protected:
+  PerfectRecording() : Recording("perfect") {}
+};
+
+TEST_F(Recording, JointsAreThoseOfTheRobotInItsOrder) {
+  ASSERT_EQ(complaint(*good_), "");
+  using Change = std::function<void(ros::JointState&)>;
+  const std::vector<std::pair<Change, std::string>> both{
+      {[](auto& m) { m.name.pop_back(); }, "name has 19 members: must be a list of 20"},
+      {[](auto& m) { m.name.clear(); }, "name has 0 members"},
+      {[](auto& m) { std::swap(m.name[1], m.name[2]); }, "name[1] = "},
+      {[](auto& m) { m.position = VecX::Zero(21); }, "position has 21 members: must be a list of 20"},
+      {[](auto& m) { m.position.resize(0); }, "position has 0 members"}};
+  for (const std::string topic : {"/joint_states", "/joint_targets"}) {
+    for (const auto& [change, says] : both)
+      EXPECT_THAT(complaint_of(topic, change), AllOf(HasSubstr("tick 2: " + topic), HasSubstr(says)));
   }
-  return name;
+  const auto states = [&](const Change& change) { return complaint_of<ros::JointState>("/joint_states", change); };
+  EXPECT_THAT(states([](auto& m) { m.velocity = VecX::Zero(19); }), HasSubstr("velocity has 19 members"));
+  EXPECT_THAT(states([](auto& m) { m.effort = VecX::Zero(1); }), HasSubstr("effort has 1 members"));
+  EXPECT_EQ(states([](auto& m) { m.effort.resize(0); }), "") << "not measured";
 }
 
-TEST_F(Recording, EveryVectorHasTheLengthThatTheRobotHas) {
-  ASSERT_EQ(complaint(1, lines_[1]), "");
-  for (const std::string at :
-       {"/m/q", "/m/dq", "/m/torque", "/m/imu/0", "/m/imu/1", "/m/imu/2", "/m/sole/0/0", "/m/sole/0/1", "/m/sole/1/0",
-        "/m/sole/1/1", "/m/root/0", "/m/root/1", "/m/root/2", "/m/root/3", "/target", "/c/axes", "/c/lift"}) {
-    const json::json_pointer pointer(at);
-    const json good = lines_[1].at(pointer);
-    const auto says = [&](const json& value) {
-      json line = lines_[1];
-      line.at(pointer) = value;
-      const std::string message = complaint(1, line);
-      EXPECT_THAT(message, AllOf(HasSubstr("line 2"), HasSubstr(field(at)))) << at << " " << value;
-      return message;
-    };
-    json longer = good;
-    longer.push_back(0.0);
-    json shorter = good;
-    shorter.erase(0);
-    for (const json& wrong : {longer, shorter, json::array({1.0})}) {
-      EXPECT_THAT(says(wrong), AllOf(HasSubstr(std::to_string(wrong.size()) + " members"),
-                                     HasSubstr("must be a list of " + std::to_string(good.size()))));
-    }
-    if (at != "/m/torque") static_cast<void>(says(json::array()));  // not measured
-    for (const json& other : {json(nullptr), json("x"), json(1.0), json::object(), json(true)}) {
-      static_cast<void>(says(other));
-      json member = good;
-      member[good.size() - 1] = other;
-      // A reading that is not a finite number is null.
-      if (!other.is_number() && !(other.is_null() && at.starts_with("/m/"))) static_cast<void>(says(member));
+TEST_F(Recording, EveryTickHasWhatAReplayNeeds) {
+  for (const std::string topic :
+       {"/joint_states", "/imu", "/sole/left", "/sole/right", "/joint_targets", "/baton/tick"}) {
+    RecordingParts parts = *good_;
+    std::erase_if(parts.messages, [&](const auto& part) { return part.topic == topic && part.sequence == 1; });
+    EXPECT_THAT(complaint(parts), AllOf(HasSubstr("tick 1"), HasSubstr(topic + " is missing")));
+    parts = *good_;
+    const std::string data = parts.at(topic, 1).data;
+    for (const std::string& other : {std::string(), data.substr(0, data.size() / 2), std::string(100, '\xff')}) {
+      parts.at(topic, 1).data = other;
+      EXPECT_THAT(complaint(parts), AllOf(HasSubstr("tick 1"), HasSubstr(topic)));
     }
   }
-  for (const std::string at : {"/m/imu", "/m/sole", "/m/sole/0", "/m/root"}) {
-    for (const json& wrong : {json::array(), json::array({0}), json(nullptr), json("x"), json(5)}) {
-      json line = lines_[1];
-      line.at(json::json_pointer(at)) = wrong;
-      EXPECT_THAT(complaint(1, line), AllOf(HasSubstr("line 2"), HasSubstr(field(at)))) << at << " " << wrong;
+  RecordingParts parts = *good_;
+  std::erase_if(parts.messages, [](const auto& part) { return part.topic == "/baton/command"; });
+  EXPECT_THAT(complaint(parts), HasSubstr("tick 0: /baton/command is missing"));
+  parts.messages.clear();
+  EXPECT_THAT(complaint(parts), HasSubstr("ends before its first message"));
+  parts = *good_;
+  std::erase_if(parts.messages, [](const auto& part) { return part.topic != "/joy"; });
+  EXPECT_THAT(complaint(parts), HasSubstr("holds no ticks"));
+}
+
+TEST_F(PerfectRecording, TheMeasuredRootIsThereIfTheStateIsTakenFromIt) {
+  ASSERT_EQ(complaint(*good_), "");
+  RecordingParts parts = *good_;
+  std::erase_if(parts.messages, [](const auto& part) { return part.topic == "/baton/root" && part.sequence == 3; });
+  EXPECT_THAT(complaint(parts), HasSubstr("tick 3: /baton/root is missing"));
+  for (const char* key : {"position", "attitude", "velocity", "rate"}) {
+    for (const json& wrong : {json(nullptr), json("x"), json(1.0), json::array({1.0}), json::object()}) {
+      EXPECT_THAT(complaint("/baton/root", 2, [&](json& m) { m[key] = wrong; }),
+                  AllOf(HasSubstr("tick 2: /baton/root"), HasSubstr(key)));
     }
+    EXPECT_THAT(complaint("/baton/root", 2, [&](json& m) { m.erase(key); }), HasSubstr("is missing"));
+    EXPECT_EQ(complaint("/baton/root", 2, [&](json& m) { m[key][1] = nullptr; }), "") << "it may be no number";
   }
 }
 
 TEST_F(Recording, AValueThatIsNotAmongTheAllowedOnesIsNamedWithThem) {
+  for (const auto& [key, allowed] : {std::pair<std::string, std::string>{"recording", "must be 3"},
+                                     {"on", "sim, ideal or real"},
+                                     {"duration", "paper or search"},
+                                     {"gait", "stop or flow"},
+                                     {"on_limit", "discard or shrink"},
+                                     {"state", "sensors, torques or perfect"},
+                                     {"drive", "torque, pd or stiff"}}) {
+    RecordingParts parts = *good_;
+    parts.metadata[key] = "gallop";
+    EXPECT_THAT(complaint(parts), AllOf(HasSubstr(key + " = "), HasSubstr("gallop"), HasSubstr(allowed)));
+    parts.metadata.erase(key);
+    EXPECT_THAT(complaint(parts), HasSubstr(key + " is missing"));
+  }
+  for (const char* start : {"", "x", "5", "[]", "[1, null]", "{}"}) {
+    RecordingParts parts = *good_;
+    parts.metadata["start"] = start;
+    EXPECT_THAT(complaint(parts), HasSubstr("start")) << start;
+  }
   struct Case {
-    std::size_t line;
-    std::string at;
+    std::string topic;
+    std::string key;
     std::string allowed;
   };
   for (const Case& c :
-       {Case{0, "/baton_recording", "must be 2"}, Case{0, "/on", "sim, ideal or real"},
-        Case{0, "/duration", "paper or search"}, Case{0, "/gait", "stop or flow"},
-        Case{0, "/on_limit", "discard or shrink"}, Case{0, "/state", "sensors, torques or perfect"},
-        Case{0, "/drive", "torque, pd or stiff"}, Case{0, "/robot", "a text"}, Case{0, "/world", "a text"},
-        Case{1, "/c/guide", "left_hand, right_hand or trunk"}, Case{1, "/c/recall", "a whole number from 0 to 3"},
-        Case{1, "/sum", "a text"}, Case{1, "/m/t", "a number"}}) {
-    const json::json_pointer pointer(c.at);
-    for (const json& wrong : {json(nullptr), json(-1), json(4), json(1.5), json("gallop"), json(true), json::array(),
-                              json::object(), json(18446744073709551615U)}) {
-      if (wrong.is_string() && c.allowed == "a text") continue;
-      if (wrong.is_number() && c.allowed == "a number") continue;
-      json line = lines_[c.line];
-      line.at(pointer) = wrong;
-      EXPECT_THAT(complaint(c.line, line),
-                  AllOf(HasSubstr("line " + std::to_string(c.line + 1)), HasSubstr(field(c.at)),
-                        HasSubstr(wrong.dump()), HasSubstr(c.allowed)));
+       {Case{"/baton/command", "guide", "left_hand, right_hand or trunk"},
+        Case{"/baton/command", "recall", "none, retrace, home or stop"}, Case{"/baton/command", "axes", "6 numbers"},
+        Case{"/baton/command", "lift", "2 numbers"}, Case{"/baton/tick", "sum", "a text"},
+        Case{"/baton/tick", "age", "a number"}, Case{"/baton/tick", "attitude", "a list of 9"}}) {
+    for (const json& wrong : {json(true), json(4), json(-1.5), json("gallop"), json::object(), json::array({1})}) {
+      if ((wrong.is_string() && c.key == "sum") || (wrong.is_number() && c.key == "age")) continue;
+      const std::string says = complaint(c.topic, 0, [&](json& m) { m[c.key] = wrong; });
+      EXPECT_THAT(says, AllOf(HasSubstr("tick 0: " + c.topic), HasSubstr(c.key))) << wrong;
+      EXPECT_THAT(says, HasSubstr(wrong.is_boolean() && c.key != "attitude" ? c.allowed : "must be"));
     }
-    json line = lines_[c.line];
-    line.at(pointer.parent_pointer()).erase(pointer.back());
-    EXPECT_THAT(complaint(c.line, line), HasSubstr(field(c.at) + " is missing"));
+    if (c.key == "attitude") continue;
+    EXPECT_THAT(complaint(c.topic, 0, [&](json& m) { m.erase(c.key); }), HasSubstr(c.key + " is missing"));
   }
-  for (const auto& [key, value] : {std::pair<std::string, json>{"fallen", 1},
-                                   {"events", "ask"},
-                                   {"events", {"answer"}},
-                                   {"events", json::array()},
-                                   {"events", {1}}}) {
-    json line = lines_[1];
-    line[key] = value;
-    EXPECT_THAT(complaint(1, line), AllOf(HasSubstr("line 2"), HasSubstr(key)));
+  for (const auto& wrong : {json::array({0, 0, 0, 0, 0, 0, 0, 0, 0.5}), json::array({0, 0, 0, 0, 0, 0, 0, 0, nullptr}),
+                            json::array({0, 0, 0, 0, 0, 0, 0, 0, 18446744073709551615U})}) {
+    EXPECT_THAT(complaint("/baton/tick", 1, [&](json& m) { m["attitude"] = wrong; }), HasSubstr("a whole number"));
   }
-  for (const char* key : {"m", "target", "sum"}) {
-    json line = lines_[3];
-    line.erase(key);
-    EXPECT_THAT(complaint(3, line), AllOf(HasSubstr("line 4"), HasSubstr(std::string(key) + " is missing")));
-  }
-  json line = lines_[1];
-  line.erase("c");
-  EXPECT_THAT(complaint(1, line), HasSubstr("c is missing")) << "the first command is not told by a line before";
+  EXPECT_EQ(complaint("/baton/tick", 1, [&](json& m) { m["age"] = nullptr; }), "") << "it may be no number";
 }
 
 TEST_F(Recording, WhatIsNoRecordingIsRefused) {
-  const std::string head = lines_[0].dump() + '\n';
-  const std::string tick = lines_[1].dump() + '\n';
-  EXPECT_EQ(complaint(head + tick), "");
-  for (const std::string& text :
-       {std::string(), std::string("\n"), std::string("{}\n"), std::string("[1]\n"), std::string("\xff\xfe\x00\x01", 4),
-        std::string(300000, '[') + '\n', std::string(3 << 20, ' ') + '\n', head + "\n" + tick, head + "[]\n" + tick,
-        head + "1e999\n", head + std::string(100000, '[') + '\n', head + std::string(2 << 20, '7') + '\n',
-        head + head}) {
-    EXPECT_NE(complaint(text), "") << text.substr(0, 80);
+  RecordingParts parts = *good_;
+  parts.metadata.clear();
+  EXPECT_THAT(complaint(parts), HasSubstr("recording is missing"));
+  parts = *good_;
+  for (mcap::Channel& channel : parts.channels)
+    channel.encoding = "xml";
+  EXPECT_THAT(complaint(parts), HasSubstr("holds no ticks"));
+  parts = *good_;
+  for (const std::string& text : {std::string(), std::string("{}\n"), std::string("{\"baton_recording\":2}\n"),
+                                  std::string(3 << 20, '\0'), parts.bytes().substr(0, 1000)}) {
+    EXPECT_THROW(RecordingReader{scratch_.write("bad.mcap", text)}, InputError) << text.substr(0, 80);
   }
-  for (const std::string& rest : {std::string(), tick.substr(0, tick.size() / 2)})
-    EXPECT_THAT(complaint(head + rest), HasSubstr("holds no ticks"));
-  EXPECT_THROW(RecordingReader{scratch_.path("none.jsonl")}, InputError);
+  EXPECT_THROW(RecordingReader{scratch_.path("none.mcap")}, InputError);
   EXPECT_THROW(RecordingReader{"/dev/zero"}, InputError);
   EXPECT_THROW(RecordingReader{"/"}, InputError);
 }
 
-TEST_F(Recording, AReadingMayBeNoneButNoTime) {
-  json line = lines_[4];
-  line["m"]["dq"][3] = nullptr;
-  line["m"]["imu"][0][2] = nullptr;
-  line["m"]["sole"][1][0][0] = nullptr;
-  EXPECT_EQ(complaint(4, line), "");
-  line["m"]["t"] = nullptr;
-  EXPECT_THAT(complaint(4, line), HasSubstr("m.t = null"));
+/// A robot whose readings are anything.
+class AnyRobot : public Robot {
+ public:
+  AnyRobot(const RobotModel& model, Robot& robot, std::uint64_t seed)
+      : joints_(model.nv() - 6), robot_(&robot), random_(seed), turns_(seed) {}
+  [[nodiscard]] Measurement read() override {
+    Measurement m = robot_->read();
+    for (VecX* v : {&m.q, &m.dq, &m.torque}) {
+      if (random_() % 4 == 0) v->setConstant(joints_, 0.0);
+      for (double& x : *v)
+        x = any(x);
+    }
+    if (random_() % 4 == 0) m.torque.resize(0);
+    if (random_() % 2 == 0) m.imu.attitude = rotation_exp(turns_.vector(2.0));
+    for (double& x : m.imu.attitude.reshaped())
+      x = any(x);
+    for (Vec3* v : {&m.imu.rate, &m.imu.acceleration, &m.sole.left.force, &m.sole.left.moment, &m.sole.right.force,
+                    &m.sole.right.moment}) {
+      for (double& x : *v)
+        x = any(x);
+    }
+    m.age = any(m.age);
+    read_.push_back(m);
+    return m;
+  }
+  void write(const JointTarget& target) override { robot_->write(target); }
+  [[nodiscard]] const std::vector<Measurement>& all() const { return read_; }
+
+ private:
+  double any(double x) {
+    switch (random_() % 40) {
+      case 0:
+        return std::numeric_limits<double>::quiet_NaN();
+      case 1:
+        return -std::numeric_limits<double>::infinity();
+      case 2:
+        return std::bit_cast<double>(random_());
+      case 3:
+        return -0.0;
+      default:
+        return x;
+    }
+  }
+
+  Eigen::Index joints_;
+  Robot* robot_;
+  std::mt19937_64 random_;
+  test::Random turns_;
+  std::vector<Measurement> read_;
+};
+
+std::vector<std::uint64_t> bits(const Measurement& m) {
+  std::vector<std::uint64_t> all;
+  const auto add = [&all](const auto& v) {
+    for (Eigen::Index i = 0; i < v.size(); ++i)
+      all.push_back(std::bit_cast<std::uint64_t>(v.data()[i]));
+    all.push_back(static_cast<std::uint64_t>(v.size()));
+  };
+  for (const VecX* v : {&m.q, &m.dq, &m.torque})
+    add(*v);
+  add(m.imu.attitude);
+  for (const Vec3* v : {&m.imu.rate, &m.imu.acceleration, &m.sole.left.force, &m.sole.left.moment, &m.sole.right.force,
+                        &m.sole.right.moment}) {
+    add(*v);
+  }
+  return all;
+}
+
+TEST(RecordingWriter, AnyReadingIsKeptToTheLastBit) {
+  const RobotModel& model = test::robot("mighty");
+  const World world = World::load("flat");
+  const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
+  const Scratch scratch;
+  long read = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    IdealRobot ideal(model, start, model.profile().tick.period);
+    AnyRobot any(model, ideal, seed);
+    Session session(model, world, any, start);
+    std::string bytes;
+    json head{{"robot", "mighty"}, {"world", "flat"},      {"on", "ideal"},      {"duration", "paper"},
+              {"gait", "flow"},    {"on_limit", "shrink"}, {"state", "sensors"}, {"drive", "pd"}};
+    RecordingWriter writer(model, "test", std::make_unique<test::Memory>(bytes), head, {.live = seed % 2 == 0});
+    session.add(writer);
+    Command command;
+    command.axes[0] = 0.1;
+    for (int tick = 0; tick < 100; ++tick)
+      session.step(command);
+    EXPECT_EQ(writer.close(), "");
+    RecordingReader reader(scratch.write("run.mcap", bytes));
+    for (const Measurement& m : any.all()) {
+      const auto tick = reader.next(joint_names(model));
+      ASSERT_TRUE(tick);
+      ASSERT_EQ(bits(tick->measurement), bits(m)) << seed << ' ' << tick->number;
+      const bool same_age = tick->measurement.age == m.age;
+      ASSERT_TRUE(same_age || (std::isnan(tick->measurement.age) && !std::isfinite(m.age)));
+      ASSERT_TRUE(tick->command == command);
+      ++read;
+    }
+    EXPECT_FALSE(reader.next(joint_names(model)));
+  }
+  EXPECT_EQ(read, 2000);
+}
+
+/// Takes nothing while it is shut.
+class Gate : public mcap::Output {
+ public:
+  struct State {
+    std::atomic<bool> open{false};
+    std::atomic<int> writes{0};
+    std::string bytes;
+  };
+  explicit Gate(State& state) : state_(&state), memory_(state.bytes) {}
+  void write(std::string_view bytes, std::string_view end) override {
+    state_->open.wait(false);
+    memory_.write(bytes, end);
+    ++state_->writes;
+    state_->writes.notify_all();
+  }
+
+ private:
+  State* state_;
+  test::Memory memory_;
+};
+
+TEST(RecordingWriter, ADiskThatIsTooSlowCostsWholeTicksAndOneWarning) {
+  const RobotModel& model = test::robot("mighty");
+  const World world = World::load("flat");
+  const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
+  IdealRobot ideal(model, start, model.profile().tick.period);
+  Session session(model, world, ideal, start);
+  Gate::State gate;
+  std::vector<std::string> warnings;
+  const json head{{"robot", "mighty"}, {"world", "flat"},      {"on", "ideal"},      {"duration", "paper"},
+                  {"gait", "flow"},    {"on_limit", "shrink"}, {"state", "sensors"}, {"drive", "pd"}};
+  RecordingWriter writer(model, "test", std::make_unique<Gate>(gate), head,
+                         {.live = true, .warn = [&](const std::string& why) { warnings.push_back(why); }});
+  session.add(writer);
+  Command command;
+  command.guide = Part::left_hand;
+  const int shut = 3000, all = 4000;
+  for (int tick = 0; tick < shut; ++tick)
+    session.step(command);
+  EXPECT_EQ(warnings, std::vector<std::string>{"test: the disk is too slow: ticks are left out"});
+  gate.open = true;
+  gate.open.notify_all();
+  const int waiting = 1 + 128;  // the head, and all chunks
+  for (int writes = 0; (writes = gate.writes) < waiting;)
+    gate.writes.wait(writes);
+  for (int tick = shut; tick < all; ++tick)
+    session.step(command);
+  EXPECT_THAT(writer.close(), HasSubstr("ticks were left out, as the disk was too slow"));
+  EXPECT_EQ(warnings.size(), 1U);
+
+  const Scratch scratch;
+  RecordingReader reader(scratch.write("run.mcap", gate.bytes));
+  EXPECT_TRUE(reader.file().finished());
+  std::vector<long> gaps;
+  long next = 0, read = 0;
+  while (const auto tick = reader.next(joint_names(model))) {
+    EXPECT_TRUE(tick->command == command) << "it is said again after a gap";
+    if (tick->number != next) gaps.push_back(next);
+    next = tick->number + 1;
+    ++read;
+  }
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_GT(gaps[0], 2000) << "10 s are kept";
+  EXPECT_LT(gaps[0], shut);
+  EXPECT_EQ(next, all);
+  EXPECT_LT(read, all);
 }
 
 }  // namespace

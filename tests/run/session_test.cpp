@@ -131,7 +131,7 @@ TEST_F(SessionTest, ARobotWithoutTruthIsDrivenTheSame) {
   Session session(model_, world_, hidden, start_);
   Report report(model_);
   Trace trace(model_, scratch.path("hidden.csv"));
-  RecordingWriter recording(scratch.path("hidden.jsonl"), nlohmann::json::object());
+  RecordingWriter recording(model_, scratch.path("hidden.mcap"), nlohmann::json::object(), {});
   for (Sink* sink : std::initializer_list<Sink*>{&report, &trace, &recording})
     session.add(*sink);
 
@@ -152,7 +152,7 @@ TEST_F(SessionTest, ARobotWithoutTruthIsDrivenTheSame) {
   EXPECT_EQ(ideal_.truth()->q, simulation.truth().q);
   trace.close();
   table.close();
-  recording.close();
+  EXPECT_EQ(recording.close(), "");
 
   // What is known is the same; the rest is left out.
   const auto rows = scratch.table("hidden.csv");
