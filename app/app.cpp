@@ -394,6 +394,16 @@ int parse_and_run(std::vector<std::string> args) {
   replay_command->add_flag("--verify", replay_options.verify,
                            "Compare the joint targets with the recorded ones, bit for bit");
 
+  InfoOptions info_options;
+  CLI::App* info_command = app.add_subcommand("info", "Show what is in a recording");
+  info_command->add_option("recording", info_options.recording, "Recording, written by drive --record")->required();
+
+  ExportOptions export_options;
+  CLI::App* export_command = app.add_subcommand("export", "Write a recording as tables or plots");
+  export_command->add_option("recording", export_options.recording, "Recording, written by drive --record")->required();
+  export_command->add_option("--csv", export_options.csv, "Folder: write each channel, and the trace, to a .csv file");
+  export_command->add_option("--plots", export_options.plots, "Folder: draw .svg plots");
+
   SoakOptions soak_options;
   CLI::App* soak_command = app.add_subcommand("soak", "Try to break it: random sticks, judged by independent means");
   add_soak(*soak_command, soak_options);
@@ -422,6 +432,8 @@ int parse_and_run(std::vector<std::string> args) {
   if (reproduce_command->parsed()) return reproduce(reproduce_options);
   if (operate_command->parsed()) return operate(operate_options);
   if (replay_command->parsed()) return replay(replay_options);
+  if (info_command->parsed()) return show_info(info_options);
+  if (export_command->parsed()) return export_recording(export_options);
   if (soak_command->parsed()) {
     return soak_options.link               ? soak_link(soak_options)
            : soak_options.physics.scenario ? soak_scenarios(soak_options)

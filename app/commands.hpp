@@ -173,6 +173,16 @@ struct ReplayOptions {
   bool verify = false;
 };
 
+struct InfoOptions {
+  std::filesystem::path recording;
+};
+
+struct ExportOptions {
+  std::filesystem::path recording;
+  std::optional<std::filesystem::path> csv;    ///< folder for tables
+  std::optional<std::filesystem::path> plots;  ///< folder for plots
+};
+
 /// Becomes the bridge's own program; returns only by throwing.
 int bridge(const BridgeOptions& options);
 int calibrate(const CalibrateOptions& options);
@@ -181,7 +191,9 @@ int check(const CheckOptions& options);
 int robots();
 int damp(const DampOptions& options);
 int drive(const DriveOptions& options);
+int export_recording(const ExportOptions& options);
 int replay(const ReplayOptions& options);
+int show_info(const InfoOptions& options);
 int robot(const RobotOptions& options);
 int plan(const PlanOptions& options);
 int verify(const VerifyOptions& options);

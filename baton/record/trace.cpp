@@ -4,6 +4,7 @@
 
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace baton {
 
@@ -12,8 +13,8 @@ Vec2 measured_zmp(const Truth& truth, double height) {
   return total.zmp(height);
 }
 
-Trace::Trace(const RobotModel& robot, const std::filesystem::path& file)
-    : robot_(&robot), kinematics_(robot), file_(file), out_(open_stream(file, "--trace")) {
+Trace::Trace(const RobotModel& robot, const std::filesystem::path& file, std::string what)
+    : robot_(&robot), kinematics_(robot), file_(file), what_(std::move(what)), out_(open_stream(file, what_)) {
   std::string header = "t,guide,segment,phase";
   for (int i = 0; i < robot.nq(); ++i)
     header += fmt::format(",qpos_{}", i);
