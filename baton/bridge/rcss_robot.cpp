@@ -102,10 +102,11 @@ JointTarget RcssRobot::standing(double rise, double speed) {
 }
 
 void RcssRobot::place() {
+  const auto away = [this] { return (connection_->perception().torso.p - parameters_.place).head<2>().norm(); };
+  const bool tells = away() > 2.0 * kPlaced;  // one that is there already does not show when it has been put there
   follow(standing(0.0, 0.0), beam_text(parameters_.place));
   for (int delay = 0; delay <= kLongestDelay; ++delay) {
-    const Vec3& p = connection_->perception().torso.p;
-    if ((p - parameters_.place).head<2>().norm() < kPlaced) {
+    if (tells ? away() < kPlaced : delay == delay_) {
       delay_ = delay;
       return;
     }
