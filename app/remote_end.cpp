@@ -16,40 +16,31 @@ namespace {
 constexpr double kSettled = 0.5;       ///< time of rest after which a robot has taken its stance, or cannot [s]
 constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which a run ends [s]
 
-/// @throws InputError the robot does not measure what the state is estimated from
-void check_sensors(const Measurement& measured, StateSource source, const std::string& on) {
-  const auto because = [&](const char* lacks, const char* must) {
-    throw InputError(
-        fmt::format("--state {}: the robot at {} measures no {}: must be {}", to_string(source), on, lacks, must));
-  };
-  const auto feels = [&](Side side) { return !measured.sole[side].force.array().isNaN().all(); };
-  if (source == StateSource::sensors && !feels(Side::left) && !feels(Side::right))
-    because("forces on its soles", "--state torques");
-  if (source == StateSource::torques && measured.torque.size() == 0) because("motor torques", "--state sensors");
-  if (source == StateSource::perfect && !measured.root) because("pose of its root", "--state sensors or torques");
-}
-
 }  // namespace
 
 RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World& world)
     : address_(o.on), model_(&robot) {
   check_physics(o.physics, o.on);
   const link::Manner manner{modes_of(o.modes), state_named(o.physics.state)};
-  owned_ = std::make_unique<link::RemoteRobot>(
-      robot, world.name(), link::RemoteRobot::Parameters{Address::parse(o.on), token_in(o.token), manner});
-  remote_ = owned_.get();
-  check_sensors(remote_->read(), manner.source, o.on);
-  if (!welcome().navigates) return;
-  const auto belongs_there = [&](const char* option, bool given) {
-    if (given)
-      throw InputError(
-          fmt::format("{} with --on {}: that robot navigates by itself; it goes with a robot that follows "
-                      "targets (baton robot --targets)",
-                      option, o.on));
+  const auto accept = [&](const link::Welcome& robots_end) {
+    const auto belongs_there = [&](const char* option, bool given) {
+      if (given && robots_end.navigates)
+        throw InputError(
+            fmt::format("{} with --on {}: that robot navigates by itself; it goes with a robot that follows "
+                        "targets (baton robot --targets)",
+                        option, o.on));
+    };
+    belongs_there("--calibration", o.calibration.has_value());
+    belongs_there("--answer-delay", o.answers.delay_ms > 0.0);
+    belongs_there("--answer-loss", o.answers.loss > 0.0);
   };
-  belongs_there("--calibration", o.calibration.has_value());
-  belongs_there("--answer-delay", o.answers.delay_ms > 0.0);
-  belongs_there("--answer-loss", o.answers.loss > 0.0);
+  owned_ = std::make_unique<link::RemoteRobot>(
+      robot, world.name(),
+      link::RemoteRobot::Parameters{
+          .address = Address::parse(o.on), .token = token_in(o.token), .manner = manner, .accept = accept});
+  remote_ = owned_.get();
+  if (const auto what = link::lacks(remote_->read(), manner.source))
+    throw InputError(fmt::format("the robot at {}: {}", o.on, *what));
 }
 
 Posture RemoteEnd::start(const World& world, const std::optional<Calibration>& calibration) {

@@ -13,6 +13,8 @@
 namespace baton::app {
 namespace {
 
+constexpr Socket::Time kAnswering{500};  ///< longest time without a measurement of a robot in real time
+
 /// The robot that follows targets at `--on`.
 /// @param parameters those that depend on it are set
 /// @throws InputError it navigates by itself, or waits for its targets; it is simulated elsewhere
@@ -20,12 +22,15 @@ std::unique_ptr<Robot> bare_robot(const RobotOptions& o, const RobotModel& model
                                   link::RobotServer::Parameters& parameters) {
   check_physics(o.physics, *o.on);
   if (o.targets) throw InputError("--targets with --on: would only pass targets on; leave one of them out");
+  const auto accept = [&](const link::Welcome& robots_end) {
+    if (!robots_end.navigates && !robots_end.lock_step) return;
+    throw InputError(fmt::format("--on {}: that robot {}: drive it with baton drive", *o.on,
+                                 robots_end.navigates ? "navigates by itself" : "waits for its targets"));
+  };
   auto bare = std::make_unique<link::RemoteRobot>(
-      model, world.name(), link::RemoteRobot::Parameters{Address::parse(*o.on), token_in(o.on_token)});
-  if (bare->welcome().navigates)
-    throw InputError(fmt::format("--on {}: that robot navigates by itself: drive it with baton drive", *o.on));
-  if (bare->welcome().lock_step)
-    throw InputError(fmt::format("--on {}: that robot waits for its targets: drive it with baton drive", *o.on));
+      model, world.name(),
+      link::RemoteRobot::Parameters{
+          .address = Address::parse(*o.on), .token = token_in(o.on_token), .accept = accept, .answering = kAnswering});
   parameters.on = bare->welcome().on;
   parameters.bare = bare.get();
   return bare;

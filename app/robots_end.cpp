@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <string>
+#include <utility>
 
 #include "app/commands.hpp"
 #include "baton/input/typed_lines.hpp"
@@ -28,7 +29,14 @@ void serve_drivers(link::RobotServer& server, const std::function<void()>& betwe
   std::signal(SIGTTIN, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   TypedLines keyboard;
-  while (!interrupted) {
+  bool ending = false;
+  while (!interrupted || !server.resting()) {
+    if (interrupted && !std::exchange(ending, true)) {
+      spdlog::info("coming to rest; again: end at once");
+      std::signal(SIGINT, SIG_DFL);
+      std::signal(SIGTERM, SIG_DFL);
+      server.retire();
+    }
     server.serve(Socket::Time(50));
     between();
     if (const std::optional<std::string> line = keyboard.next()) obey(*line, server);

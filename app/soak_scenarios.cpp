@@ -297,6 +297,11 @@ int soak_scenarios(const SoakOptions& given) {
                  {"answer_delay_ms", o.answers.delay_ms},
                  {"answer_loss", o.answers.loss}};
   if (o.breaking) {
+    report["duration"] = o.modes.duration;
+    report["gait"] = o.modes.gait;
+    report["on_limit"] = o.modes.on_limit;
+    report["drive"] = o.physics.drive ? Json(*o.physics.drive) : Json();
+    report["calibration"] = o.calibration ? Json(o.calibration->string()) : Json();
     report["seeds"] = *o.seeds;
     report["episode_s"] = *o.episode;
   }

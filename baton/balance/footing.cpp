@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace baton {
 namespace {
@@ -53,14 +52,21 @@ double ankle_stiffness(const RobotModel& robot) {
   return stiffness;
 }
 
-/// The bodies from the root to the feet, each after its parent.
+/// The links of the legs, each after its parent.
 std::vector<int> leg_links(const RobotModel& robot) {
-  std::set<int> links;
+  const mjModel& m = robot.mj();
+  std::vector<bool> in_leg(static_cast<std::size_t>(m.nbody));
   for (const Side side : kSides) {
-    for (int body = robot.foot_body(side); body > 1; body = robot.mj().body_parentid[body])
-      links.insert(body);
+    for (int body = robot.foot_body(side); body > 1; body = m.body_parentid[body])
+      in_leg[static_cast<std::size_t>(body)] = true;
   }
-  return {links.begin(), links.end()};
+  std::vector<int> links;
+  for (int body = 2; body < m.nbody; ++body) {
+    const auto i = static_cast<std::size_t>(body);
+    in_leg[i] = in_leg[i] || in_leg[static_cast<std::size_t>(m.body_parentid[body])];  // carried by one
+    if (in_leg[i]) links.push_back(body);
+  }
+  return links;
 }
 
 }  // namespace

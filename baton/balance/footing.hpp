@@ -64,7 +64,7 @@ class Footing {
   double ankle_kp_;    ///< kp of the stiffer ankle [weight × COM height/rad]
   double softness_;    ///< factor on all compliance, less than 1 with stiff servos
   GroundCompliance ground_;
-  std::vector<int> legs_;  ///< links from the root to the feet
+  std::vector<int> legs_;  ///< links of the legs
   JacobianRows columns_;   ///< Jacobian of a sole, of its leg's joints (6 × n)
   VecX shift_;             ///< latest change of the joint angles (n) [rad]
   VecX shifted_;           ///< planned configuration with that change (nq)

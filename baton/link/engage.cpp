@@ -19,7 +19,20 @@ constexpr double kSame = 0.02;   ///< difference of their heights [COM height]
 
 bool in_stance(const RobotModel& robot, const VecX& q) {
   const VecX stance = stand(robot, Pose{}, robot.profile().stance.com_height).q.tail(q.size());
-  return (q - stance).cwiseAbs().maxCoeff() <= kNear;
+  return ((q - stance).array().abs() <= kNear).all();  // not so if one is not a number
+}
+
+std::optional<std::string> lacks(const Measurement& measured, StateSource source) {
+  const auto because = [&](const char* lacks, const char* must) {
+    return fmt::format("--state {}: measures no {}: must be {}", to_string(source), lacks, must);
+  };
+  const auto feels = [&](Side side) { return !measured.sole[side].force.array().isNaN().all(); };
+  if (source == StateSource::sensors && !feels(Side::left) && !feels(Side::right))
+    return because("forces on its soles", "--state torques");
+  if (source == StateSource::torques && measured.torque.size() == 0) return because("motor torques", "--state sensors");
+  if (source == StateSource::perfect && !measured.root)
+    return because("pose of its root", "--state sensors or torques");
+  return std::nullopt;
 }
 
 Posture engage(const RobotModel& robot, const Pose& start, const VecX& q) {
@@ -31,13 +44,13 @@ Posture engage(const RobotModel& robot, const Pose& start, const VecX& q) {
   const BySide<Pose> sole = posture_of(robot, whole).sole;
   const Vec3 up = (sole.left.R.col(2) + sole.right.R.col(2)).normalized();
   const double inclined = tilt_of(sole.left.R.transpose() * sole.right.R);
-  if (inclined > kLevel)
+  if (!(inclined <= kLevel))
     throw InputError(
         fmt::format("{}: with its joints as they are, one sole is inclined by {:.3f} rad against the other: "
                     "must be at most {}; let it stand on both soles",
                     robot.profile().name, inclined, kLevel));
   const double higher = std::abs(up.dot(sole.left.p - sole.right.p));
-  if (higher > kSame * height)
+  if (!(higher <= kSame * height))
     throw InputError(
         fmt::format("{}: with its joints as they are, one sole is {:.4f} m above the other: must be at most "
                     "{:.4f} m; let it stand on both soles",
@@ -53,7 +66,7 @@ Posture engage(const RobotModel& robot, const Pose& start, const VecX& q) {
   Posture posture = posture_of(robot, whole);
   const ConvexPolygon support =
       support_polygon(robot, posture.sole, posture.contact, posture.com, support_plane(posture.sole, posture.contact));
-  if (support.margin(posture.com.head<2>()) < robot.profile().margin.zmp_feedback)
+  if (!(support.margin(posture.com.head<2>()) >= robot.profile().margin.zmp_feedback))
     throw InputError(fmt::format("{}: with its joints as they are, its COM is not above its soles: it would tip over",
                                  robot.profile().name));
   return posture;

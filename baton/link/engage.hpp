@@ -1,6 +1,11 @@
 /// Where a run begins with a robot that stands somewhere, its joints as they are.
 #pragma once
 
+#include <optional>
+#include <string>
+
+#include "baton/balance/measurement.hpp"
+#include "baton/balance/state_source.hpp"
 #include "baton/model/robot_model.hpp"
 #include "baton/motion/posture.hpp"
 
@@ -9,6 +14,10 @@ namespace baton::link {
 /// Whether every joint is near the stance of the robot's profile.
 /// @param q joint angles (n) [rad]
 [[nodiscard]] bool in_stance(const RobotModel& robot, const VecX& q);
+
+/// What a robot does not measure of what its state is to be estimated from, as the end of a sentence about it; none: it
+/// measures all of that.
+[[nodiscard]] std::optional<std::string> lacks(const Measurement& measured, StateSource source);
 
 /// Posture at rest of a robot that stands on both soles: in the stance of its profile if every joint is near it, else
 /// with the joints as they were measured.

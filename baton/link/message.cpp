@@ -168,6 +168,10 @@ void check_size(Eigen::Index size, Eigen::Index wanted) {
 
 }  // namespace
 
+VecX commanded(const JointTarget& target) {
+  return target.q_correction.size() > 0 ? VecX(target.q + target.q_correction) : target.q;
+}
+
 std::string framed(Type type, std::string_view body) {
   Writer writer;
   writer.number(static_cast<std::uint32_t>(body.size())).number(static_cast<std::uint8_t>(type));

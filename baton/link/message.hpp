@@ -96,7 +96,7 @@ struct Start {
 };
 
 struct Refusal {
-  std::string reason;  ///< version, token, busy, damped, servos or protocol
+  std::string reason;  ///< version, token, damped, busy, servos, sensors, posture, robot or protocol
   std::string text;    ///< one line
 };
 
@@ -107,6 +107,9 @@ struct Reading {
   double battery = std::numeric_limits<double>::quiet_NaN();  ///< charge, 0 to 1; NaN: unknown
   Measurement measurement;
 };
+
+/// The joint angles that a target asks for, with what balance adds (n) [rad].
+[[nodiscard]] VecX commanded(const JointTarget& target);
 
 /// What the servos are told. Their torque is kp (q − measured) + kd (dq − measured) + tau.
 struct Target {
@@ -128,7 +131,7 @@ struct Tick {
   Command command;                      ///< that was followed
   bool stale = false;                   ///< the driver's was too old to be followed
   std::vector<PlanningEvent> planning;  ///< after the tick, in order; at most `kMostPlanning`
-  VecX target;                          ///< joint angles that the navigator gave out [rad]
+  VecX target;                          ///< joint angles that the navigator gave out: `commanded` [rad]
 
   static constexpr std::size_t kMostPlanning = 3;
 };

@@ -27,7 +27,7 @@ const Tick& Onboard::step() {
 
 void Onboard::on_tick(const TickRecord& record) {
   tick_.reading.measurement = record.measurement;
-  tick_.target = record.target.q;
+  tick_.target = commanded(record.target);
 }
 
 }  // namespace baton::link

@@ -87,6 +87,7 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
   if (!welcome_.world.empty() && welcome_.world != world)
     throw InputError(
         fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(), welcome_.world));
+  std::exchange(parameters_.accept, nullptr)(welcome_);
   Start start = start_of(*model_);
   start.manner = parameters_.manner;
   socket_.send(framed(Type::start, encode(start)), kSending);
@@ -121,7 +122,7 @@ Command RemoteRobot::guide(const Command& command) {
 
 void RemoteRobot::write(const JointTarget& target) {
   if (welcome_.navigates) {
-    if (!same_bits(target.q, tick_.target))
+    if (!same_bits(commanded(target), tick_.target))
       throw LinkError(
           fmt::format("{}: at tick {} its navigator came to another target than the one here: another "
                       "version of the program, profile, world or processor",
@@ -129,9 +130,7 @@ void RemoteRobot::write(const JointTarget& target) {
     truth_ = after_;
     return;
   }
-  const bool corrected = target.q_correction.size() > 0;
-  const Target sent{reading_.sequence, corrected ? VecX(target.q + target.q_correction) : target.q, target.dq,
-                    target.tau};
+  const Target sent{reading_.sequence, commanded(target), target.dq, target.tau};
   try {
     socket_.send(framed(Type::target, encode(sent)), kSending);
     await_reading(parameters_.answering);
@@ -161,7 +160,7 @@ void RemoteRobot::catch_up() {
 }
 
 void RemoteRobot::damp(const std::string& because) {
-  socket_.send(framed(Type::damp, encode_text(because)), kSending);
+  socket_.send(framed(Type::damp, encode_text(because)), Socket::Time(0));
 }
 
 bool RemoteRobot::take(const Message& message) {

@@ -7,6 +7,7 @@
 /// `EchoedPlanning`, and `write` compares what it comes to: so all that can be known of a run is known here, too.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "baton/link/message.hpp"
@@ -21,8 +22,10 @@ class RemoteRobot : public Robot {
  public:
   struct Parameters {
     Address address;
-    std::string token;               ///< "": none
-    Manner manner{};                 ///< for a robot that navigates by itself
+    std::string token;  ///< "": none
+    Manner manner{};    ///< for a robot that navigates by itself
+    /// Called before the robot is taken over; throws if it shall not be.
+    std::function<void(const Welcome&)> accept = [](const Welcome&) {};
     Socket::Time connecting{3000};   ///< longest time for an answer to come while connecting
     Socket::Time answering{10'000};  ///< the same for a measurement: the robot may be simulated by a slow computer
   };

@@ -7,6 +7,7 @@
 #include <exception>
 #include <utility>
 
+#include "baton/link/engage.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::link {
@@ -24,8 +25,9 @@ constexpr std::chrono::seconds kRefusals{1};                 ///< of refusals wi
 constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
 constexpr long kEveryRejection = 200;                        ///< of so many rejections in a row one is logged
 constexpr std::uint64_t kOldest =
-    20;                          ///< of the newest measurement, in real time: an answer to an older one is too late
-constexpr int kMostBehind = 20;  ///< ticks that are caught up with, after which the clock is set anew
+    20;  ///< of the newest measurement, in real time: an answer to an older one is too late
+constexpr double kNotFollowing = 0.1;  ///< time for which a robot rejects its targets before its driver is dropped [s]
+constexpr int kMostBehind = 20;        ///< ticks that are caught up with, after which the clock is set anew
 
 /// Takes as long whatever the token is, so that its time tells nothing about it.
 bool same_token(const std::string& a, const std::string& b) {
@@ -160,9 +162,15 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
       if (onboard_) return guide(peer, message);
       follow(peer, message);
       return true;
-    case Type::damp:
-      damp("asked for by the driver: " + decode_text(message.body));
+    case Type::damp: {
+      std::string because = "asked for by the driver";
+      try {
+        because += ": " + decode_text(message.body);
+      } catch (const Malformed&) {  // no reason to go on
+      }
+      damp(because);
       return true;
+    }
     case Type::bye:
       parameters_.log("the driver has handed the robot back");
       return false;
@@ -185,6 +193,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   }
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
   if (driver_) return refuse(peer, "busy", "somebody drives the robot already");
+  if (retired_) return refuse(peer, "busy", "the robot's end is being ended");
   Welcome welcome;
   welcome.robot = model_->profile().name;
   for (const Joint& joint : model_->joints())
@@ -206,9 +215,14 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   if (const std::optional<std::string> why =
           parameters_.set_servos ? parameters_.set_servos(start) : wrong_servos(start))
     return refuse(peer, "servos", *why);
-  if (parameters_.bare == nullptr) robot_->reset();
+  if (parameters_.bare == nullptr) {
+    onboard_.reset();  // the robot does not stand where that one left it
+    robot_->reset();
+  } else if (!resting()) {
+    return refuse(peer, "posture", "the robot is still coming to rest: try again");
+  }
   if (parameters_.navigates_in != nullptr) {
-    onboard_.reset();
+    if (const auto what = lacks(robot_->read(), start.manner.source)) return refuse(peer, "sensors", *what);
     Onboard::Parameters parameters{start.manner, !parameters_.real_time, nullptr};
     if (parameters_.planning) parameters.planning = parameters_.planning(start.manner.modes);
     try {
@@ -217,6 +231,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
       return refuse(peer, "posture", error.what());
     }
   }
+  stale_ = false;
   peer.started = true;
   reading_ = {};
   reading_.measurement = robot_->read();
@@ -310,14 +325,32 @@ void RobotServer::report() {
 }
 
 void RobotServer::tell() {
-  if (std::exchange(stale_, onboard_->stale()) != onboard_->stale())
+  if (driver_ && std::exchange(stale_, onboard_->stale()) != onboard_->stale())
     parameters_.log(onboard_->stale() ? fmt::format("link: the stick's positions are more than {} s old: comes to rest",
                                                     Onboard::kFresh)
                                       : "link: the stick counts again");
-  const Navigator& navigator = onboard_->session().navigator();
-  const auto* changed = find_event<GuardChanged>(navigator.events());
+  const auto* changed = find_event<GuardChanged>(onboard_->session().navigator().events());
   if (changed != nullptr) parameters_.log(std::string(told_of(changed->to)));
-  if (!driver_ && find_event<Ended>(navigator.events()) != nullptr) parameters_.log("at rest, without a driver");
+  const bool rests = !driver_ && resting();
+  if (rests && !rest_told_) parameters_.log("at rest, without a driver");
+  rest_told_ = rests;
+}
+
+bool RobotServer::resting() const {
+  if (!onboard_ || !parameters_.real_time || state_ == State::damped) return true;
+  const Session& session = onboard_->session();
+  const BySide<bool>& contact = session.navigator().sample().contact;
+  return session.navigator().guard() != Guard::armed || (session.resting() && contact.left && contact.right);
+}
+
+void RobotServer::retire() {
+  retired_ = true;
+  if (!driver_) return;
+  try {
+    driver_->socket.send(framed(Type::bye), kAtOnce);
+  } catch (const LinkError&) {  // it is gone already
+  }
+  drop_driver("this end is being ended");
 }
 
 void RobotServer::brake() {
@@ -336,6 +369,7 @@ void RobotServer::advance_if_due() {
   if (parameters_.now() < due_) return;
   due_ = parameters_.now() + period();
   parameters_.log("too slow for real time: time was left out");
+  if (onboard_) onboard_->let_go();  // what the stick asked for is older than its ticks tell
 }
 
 void RobotServer::advance_bare() {
@@ -346,9 +380,10 @@ void RobotServer::advance_bare() {
     bare.catch_up();
   }
   if (bare.damped()) damp("at its own end: " + bare.damped_because());
-  const bool rejects = bare.not_followed_for() > 0.0;
-  if (rejects && !rejects_) parameters_.log("the robot rejects targets: " + bare.rejection());
-  rejects_ = rejects;
+  if (driver_ && bare.not_followed_for() > kNotFollowing) {
+    static_cast<void>(refuse(*driver_, "robot", "the robot follows no longer: " + bare.rejection()));
+    drop_driver("the robot follows no longer: " + bare.rejection());
+  }
 }
 
 void RobotServer::advance() {
@@ -400,18 +435,24 @@ void RobotServer::damp(const std::string& because) {
   state_ = State::damped;
   damped_because_ = because;
   parameters_.log("damped: " + because);
-  if (parameters_.bare != nullptr && !parameters_.bare->damped()) parameters_.bare->damp(because);
-  if (!driver_) return;
+  if (driver_) {
+    try {
+      driver_->socket.send(framed(Type::damp, encode_text(because)), kAtOnce);
+    } catch (const LinkError&) {  // `serve` finds that out, too
+    }
+  }
+  if (parameters_.bare == nullptr || parameters_.bare->damped()) return;
   try {
-    driver_->socket.send(framed(Type::damp, encode_text(because)), kAtOnce);
-  } catch (const LinkError&) {  // `serve` finds that out, too
+    parameters_.bare->damp(because);
+  } catch (const LinkError& error) {  // its next measurement does not come, which ends this end
+    parameters_.log(fmt::format("the robot could not be told: {}", error.what()));
   }
 }
 
 void RobotServer::arm() {
   if (state_ != State::damped) return;
   if (parameters_.bare != nullptr && parameters_.bare->damped())
-    return parameters_.log("not armed: the robot has to be armed at its own end");
+    return parameters_.log("not armed: arm the robot at its own end, and start this one again");
   if (driver_) {
     try {
       driver_->socket.send(framed(Type::bye), kAtOnce);

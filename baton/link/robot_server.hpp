@@ -24,11 +24,12 @@ class RobotServer {
     std::string on = "sim";
     std::string world{};
     bool real_time = false;  ///< goes on by the clock, whether or not a target has come; else waits for each
-    /// In which it navigates by itself, and follows commands; null: it follows targets for the joints.
+    /// World in which it navigates by itself, and follows commands; null: it follows targets for the joints.
     const World* navigates_in = nullptr;
     /// Where it plans then; none, or null: synchronously.
     std::function<std::unique_ptr<Planning>(Modes)> planning{};
-    /// The robot itself, if it follows targets at the other end of a connection of its own: in real time, by its clock.
+    /// Connection to the robot itself, if that follows targets somewhere else and is balanced from here. In real time
+    /// only, by the clock of that robot; null: `robot` is moved from here.
     RemoteRobot* bare = nullptr;
     /// In real time: a target is written as soon as it has come, and once. For a robot that moves by itself, not in
     /// `write`, and stays where the last target was.
@@ -56,6 +57,11 @@ class RobotServer {
   /// @param limit longest wait
   /// @throws LinkError the robot that is `bare` is gone
   void serve(Socket::Time limit);
+
+  /// Drops the driver, and takes no other: for the time until the robot rests.
+  void retire();
+  /// Whether it may be left: at rest on both feet, soft after a fall, damped, or not moved from here.
+  [[nodiscard]] bool resting() const;
 
   /// The motors only brake from now on, whatever a driver says.
   /// @param because one line, for the log and the driver
@@ -122,8 +128,9 @@ class RobotServer {
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
-  bool stale_ = false;    ///< that the stick was has been logged
-  bool rejects_ = false;  ///< that the robot that is `bare` rejects targets has been logged
+  bool stale_ = false;      ///< that the stick was has been logged
+  bool rest_told_ = false;  ///< that it rests without a driver has been logged
+  bool retired_ = false;
   long rejections_ = 0;
   long refusals_ = 0;             ///< not logged yet
   Clock::time_point refused_at_;  ///< of the last one that was logged

@@ -52,6 +52,7 @@ void prepare(int descriptor) {
   set(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, kSilence);
   set(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, 1);
   set(descriptor, IPPROTO_TCP, TCP_KEEPCNT, kQuestions);
+  set(descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, 1000 * (kSilence + kQuestions));  // while something is on its way
 }
 
 /// Waits until a descriptor is ready.

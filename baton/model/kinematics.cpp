@@ -66,8 +66,10 @@ void Kinematics::set_moved(const Kinematics& other, const Pose& by, const VecX& 
 }
 
 void Kinematics::set_links(const VecX& q, const std::vector<int>& links) {
+  q_ = q;
   for (const int b : links)
     place(b, q);
+  subtrees_valid_ = mujoco_valid_ = inertias_valid_ = false;
 }
 
 void Kinematics::place(int id, const VecX& q) {

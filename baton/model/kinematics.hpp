@@ -21,9 +21,8 @@ class Kinematics {
   /// @param by displacement, in the world
   /// @param q as it is then
   void set_moved(const Kinematics& other, const Pose& by, const VecX& q);
-  /// Moves only some links, the root where it was. Of the rest of the robot, and of what depends on it, nothing is
-  /// known until the next `set`.
-  /// @param links bodies, each after its parent unless that is the root's
+  /// The same, if only the joints of some links have changed since: without the others, that is quicker.
+  /// @param links bodies, those that they carry too, each after its parent
   void set_links(const VecX& q, const std::vector<int>& links);
 
   [[nodiscard]] const RobotModel& robot() const { return *robot_; }
@@ -81,7 +80,8 @@ class Kinematics {
 
   /// Places a link whose parent has been placed.
   void place(int id, const VecX& q);
-  /// Inertia of a link about its COM, in the axes of the world [kg·m²].
+  /// Inertia of a link about its COM, in the axes of the world [kg·m²]. On first use after `set`, computes those of
+  /// all.
   [[nodiscard]] const Mat3& link_inertia(int id) const;
   /// Computes the mass moments of the subtrees, on first use after `set`.
   void sum_subtrees() const;
@@ -97,7 +97,7 @@ class Kinematics {
   std::vector<Axis> axis_;                  ///< by degree of freedom
   mutable std::vector<Vec3> subtree_;       ///< mass × COM of each link and its descendants [kg m]
   std::vector<Carried> carried_;            ///< by link
-  std::vector<char> carried_by_;            ///< whether a link is, by one of the joints that are asked for
+  std::vector<char> carried_by_;            ///< whether a joint that is asked for carries the link; false between calls
   mutable std::vector<Mat3> link_inertia_;  ///< of each link
   mutable bool inertias_valid_ = false;
   mutable bool subtrees_valid_ = false;

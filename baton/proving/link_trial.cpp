@@ -8,6 +8,7 @@
 #include "baton/ik/stand.hpp"
 #include "baton/link/remote_robot.hpp"
 #include "baton/link/robot_server.hpp"
+#include "baton/proving/answer_faults.hpp"
 #include "baton/proving/scenario.hpp"
 #include "baton/proving/stick.hpp"
 #include "baton/robot/simulated_robot.hpp"
@@ -15,21 +16,22 @@
 namespace baton {
 namespace {
 
-using namespace link;
-
+constexpr double kPlanning = 0.03;   ///< longest delay of a planner's answer [s]
 constexpr double kGoneFor = 6.0;     ///< time without a driver, at the end [s]
 constexpr double kFaultEvery = 1.5;  ///< on average [s]
 
 /// Says what a driver says, with a random stick.
 class RandomDriver {
  public:
-  RandomDriver(const RobotModel& robot, std::uint64_t seed)
-      : robot_(&robot), stick_(seed, robot.profile().tick.period) {}
+  RandomDriver(const RobotModel& robot, const link::Manner& manner, std::uint64_t seed)
+      : start_(link::start_of(robot)), stick_(seed, robot.profile().tick.period) {
+    start_.manner = manner;
+  }
 
   /// What a connection begins with.
   [[nodiscard]] std::string hello() {
     stream_ = {};
-    return framed(Type::hello, encode(Hello{}));
+    return link::framed(link::Type::hello, link::encode(link::Hello{}));
   }
   /// Messages by which it answers bytes from the robot.
   /// @returns none: it hangs up
@@ -37,18 +39,18 @@ class RandomDriver {
     std::vector<std::string> answers;
     try {
       stream_.bytes() += bytes;
-      while (const std::optional<Message> message = stream_.next()) {
+      while (const std::optional<link::Message> message = stream_.next()) {
         switch (message->type) {
-          case Type::welcome:
-            answers.push_back(framed(Type::start, encode(start_of(*robot_))));
+          case link::Type::welcome:
+            answers.push_back(link::framed(link::Type::start, link::encode(start_)));
             break;
-          case Type::measurement:
+          case link::Type::measurement:
             answers.push_back(position(0));
             break;
-          case Type::tick:
-            answers.push_back(position(decode_tick(message->body, robot_->nv() - 6).reading.sequence + 1));
+          case link::Type::tick:
+            answers.push_back(position(link::decode_tick(message->body, start_.kp.size()).reading.sequence + 1));
             break;
-          case Type::truth:
+          case link::Type::truth:
             break;
           default:
             return std::nullopt;
@@ -65,12 +67,28 @@ class RandomDriver {
  private:
   std::string position(std::uint64_t seen) {
     const Command command = stick_.next();
-    return framed(Type::command, encode(StickPosition{seen, stick_is_there ? command : Command{}}));
+    return link::framed(link::Type::command,
+                        link::encode(link::StickPosition{seen, stick_is_there ? command : Command{}}));
   }
 
-  const RobotModel* robot_;
+  link::Start start_;
   Stick stick_;
-  Stream stream_;
+  link::Stream stream_;
+};
+
+/// A planner on the spot whose answers are late, as those of a thread are.
+class LatePlanning : public Planning {
+ public:
+  LatePlanning(const RobotModel& robot, const World& world, Modes modes, std::uint64_t seed)
+      : direct_(robot, world, modes), late_(direct_, {.delay = kPlanning}, robot.profile().tick.period, seed) {}
+  [[nodiscard]] bool idle() const override { return late_.idle(); }
+  void post(Request request) override { late_.post(std::move(request)); }
+  [[nodiscard]] std::optional<Reply> poll(long tick) override { return late_.poll(tick); }
+  void reset() override { late_.reset(); }
+
+ private:
+  DirectPlanning direct_;
+  FaultyPlanning late_;
 };
 
 /// Messages on their way in one direction.
@@ -134,9 +152,11 @@ class LinkRun {
                  .world = world.name(),
                  .real_time = true,
                  .navigates_in = &world,
-                 .now = [this] { return RobotServer::Clock::time_point(clock(now_)); },
+                 .planning = [&robot, &world, seed = mixed_seed(trial.seed, 3)](
+                                 Modes modes) { return std::make_unique<LatePlanning>(robot, world, modes, seed); },
+                 .now = [this] { return link::RobotServer::Clock::time_point(clock(now_)); },
                  .log = [this](const std::string& line) { log(line); }}),
-        driver_(robot, mixed_seed(trial.seed, 2)) {
+        driver_(robot, trial.manner, mixed_seed(trial.seed, 2)) {
     result_.delay = dice_.percent(50) ? 0.05 * dice_.share() : 0.5 * dice_.share();
     result_.jitter = dice_.percent(50) ? 0.0 : 0.2 * dice_.share();
   }
@@ -162,8 +182,8 @@ class LinkRun {
     parameters.plant = plant_of(true, nullptr, robot, static_cast<long>(seed), 1.0);
     return parameters;
   }
-  static RobotServer::Clock::duration clock(double t) {
-    return std::chrono::duration_cast<RobotServer::Clock::duration>(std::chrono::duration<double>(t));
+  static link::RobotServer::Clock::duration clock(double t) {
+    return std::chrono::duration_cast<link::RobotServer::Clock::duration>(std::chrono::duration<double>(t));
   }
 
   /// On both feet; as it began, if no driver has taken over.
@@ -221,7 +241,7 @@ class LinkRun {
     server_.serve(Socket::Time(0));
     const long after = motions();
     result_.motions += after >= before ? after - before : after;  // a driver has begun anew
-    if (const Onboard* onboard = server_.onboard(); onboard != nullptr && onboard->stale()) ++result_.stale;
+    if (const link::Onboard* onboard = server_.onboard(); onboard != nullptr && onboard->stale()) ++result_.stale;
     if (simulated_.truth()->fallen) result_.fall = simulated_.truth()->fall;
   }
   [[nodiscard]] long motions() const {
@@ -252,7 +272,7 @@ class LinkRun {
   Dice dice_;
   LinkTrialResult result_;
   SimulatedRobot simulated_;
-  RobotServer server_;
+  link::RobotServer server_;
   RandomDriver driver_;
   std::optional<Socket> connection_;  ///< the driver's
   Way to_robot_, to_driver_;

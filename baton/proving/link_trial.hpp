@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "baton/link/message.hpp"
 #include "baton/model/robot_model.hpp"
 #include "baton/model/world.hpp"
 
@@ -20,8 +21,8 @@ enum class LinkFault {
   cut,      ///< it is closed; the driver comes back after up to 3 s
   corrupt,  ///< a bit is turned over
   lose,     ///< some bytes are missing
-  repeat,   ///< a message comes twice
-  swap,     ///< two messages come in the wrong order
+  repeat,   ///< what was sent at once comes twice
+  swap,     ///< what was sent at once comes after what was sent later
   clock,    ///< the robot's end is late by up to 1 s, as if its process had been stopped
   stick,    ///< the driver has no stick for up to 2 s
 };
@@ -31,6 +32,7 @@ inline constexpr std::array<std::string_view, 8> kLinkFaults{"stall",  "cut",  "
 
 struct LinkTrial {
   std::uint64_t seed = 0;
+  link::Manner manner{};
   double seconds = 10.0;  ///< driven; then the driver is gone
 };
 
@@ -41,13 +43,13 @@ struct LinkTrialResult {
   double jitter = 0.0;           ///< and up to this much more [s]
   std::array<long, 8> faults{};  ///< by kind
   long motions = 0;              ///< that were committed
-  long stale = 0;                ///< ticks in which the robot had no stick that was fresh
+  long stale = 0;                ///< periods of the virtual clock after which the stick was too old
   long drivers = 0;              ///< that took over, one after the other
   std::vector<std::string> log;  ///< of the robot's end
 };
 
-/// On the plant `real`. A fault happens every 1.5 s on average; half of the connections have a delay of up to 50 ms,
-/// the others of up to 0.5 s.
+/// On the plant `real`, with answers of the planner that take up to 30 ms. A fault happens every 1.5 s on average; half
+/// of the connections have a delay of up to 50 ms, the others of up to 0.5 s.
 [[nodiscard]] LinkTrialResult run_link_trial(const RobotModel& robot, const World& world, const LinkTrial& trial);
 
 }  // namespace baton

@@ -49,7 +49,7 @@ TEST(Soak, ConnectionsWithFaultsAreReportedAndDoNotDependOnJobs) {
   EXPECT_EQ(report["tried"], 3);
   EXPECT_EQ(report["failures"].size(), 0U);
   EXPECT_THAT(run({"soak", "--link"}).err, HasSubstr("needs --seeds"));
-  EXPECT_THAT(run({"soak", "--link", "--seeds", "1", "--scenario", "push"}).err, HasSubstr("not --scenario"));
+  EXPECT_THAT(run({"soak", "--link", "--seeds", "1", "--scenario", "push"}).err, HasSubstr("leave out --scenario"));
 }
 
 TEST(Soak, TheResultDoesNotDependOnJobsOrPauses) {

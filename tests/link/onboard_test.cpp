@@ -267,35 +267,177 @@ TEST_P(OnboardTest, ADriverNoticesThatTheRobotWasDampedOrComesToSomethingElse) {
                              HasSubstr("plans something else than is planned here")));
 }
 
-TEST_P(OnboardTest, ARobotThatDoesNotStandIsRefused) {
-  const World world = World::load("flat");
-  Posture lying = stand(robot_, world.site("start"), robot_.profile().stance.com_height);
-  SimulatedRobot simulated(robot_, world, lying, period_, {});
-  const Measurement first = simulated.read();
-  // One leg drawn up.
-  class Bent : public Robot {
-   public:
-    explicit Bent(Measurement measurement) : measurement_(std::move(measurement)) {}
-    Measurement read() override { return measurement_; }
-    void write(const JointTarget&) override {}
-    void reset() override {}
+/// A robot's end that balances a robot at another one, which follows targets and goes on when it has got one.
+class Between {
+ public:
+  explicit Between(const RobotModel& model, int seed)
+      : bare_(model, plant_of(true, nullptr, model, seed, 1.0), "", Served::Pace::by_answers),
+        remote_(model, "flat", RemoteRobot::Parameters{bare_.address(), ""}),
+        server_(model, remote_,
+                {.listen = {"127.0.0.1", 0},
+                 .on = "sim",
+                 .world = "flat",
+                 .real_time = true,
+                 .navigates_in = &bare_.world(),
+                 .bare = &remote_,
+                 .log = [this](const std::string& line) { log += line + '\n'; }}) {}
 
-   private:
-    Measurement measurement_;
-  };
-  Measurement bent = first;
-  bent.q[robot_.leg(Side::left).front()] += 0.6;
-  Bent robot(bent);
-  RobotServer server(robot_, robot, {.listen = {"127.0.0.1", 0}, .world = "flat", .navigates_in = &world});
-  Raw raw(server.address());
-  const auto said = [&](Type type, const std::string& body) {
-    raw.send(type, body);
-    for (int k = 0; k < 50; ++k)
-      server.serve(Socket::Time(1));
+  void pass(int ticks) {
+    for (int k = 0; k < ticks; ++k)
+      server_.serve(Socket::Time(0));
+  }
+  /// What the driver hears next.
+  Message answer(Raw& raw) {
+    pass(2);
     return raw.answer();
+  }
+  [[nodiscard]] RobotServer& server() { return server_; }
+  [[nodiscard]] Served& bare() { return bare_; }
+
+  std::string log;
+
+ private:
+  Served bare_;
+  RemoteRobot remote_;
+  RobotServer server_;
+};
+
+TEST_P(OnboardTest, ADriverThatComesBackInAStepIsRefusedUntilTheRobotRests) {
+  Between between(robot_, 3);
+  const auto begin = [&](Raw& raw) {
+    raw.send(Type::hello, hello());
+    EXPECT_EQ(between.answer(raw).type, Type::welcome);
+    raw.send(Type::start, encode(start_of(robot_)));
+    return between.answer(raw);
   };
-  EXPECT_EQ(said(Type::hello, hello()).type, Type::welcome);
-  EXPECT_THAT(refused(said(Type::start, encode(start_of(robot_)))), HasSubstr("posture: "));
+  Command ahead;
+  ahead.axes[0] = 1.0;
+  const auto one_foot = [&] {
+    const BySide<bool>& contact = between.server().onboard()->session().navigator().sample().contact;
+    return !contact.left || !contact.right;
+  };
+  {
+    Raw raw(between.server().address());
+    EXPECT_EQ(begin(raw).type, Type::measurement);
+    for (int k = 0; k < ticks(6.0) && !one_foot(); ++k) {
+      raw.send(Type::command, encode(StickPosition{between.server().onboard()->ticks(), ahead}));
+      between.pass(1);
+    }
+    ASSERT_TRUE(one_foot());
+  }
+  const Onboard* navigator = between.server().onboard();
+  {
+    Raw again(between.server().address());
+    EXPECT_THAT(refused(begin(again)), HasSubstr("posture: the robot is still coming to rest"));
+  }
+  EXPECT_EQ(between.server().onboard(), navigator);
+  for (int k = 0; k < ticks(8.0) && !between.server().resting(); ++k)
+    between.pass(1);
+  between.pass(ticks(0.5));
+  EXPECT_TRUE(between.server().resting());
+  EXPECT_THAT(between.log, HasSubstr("at rest, without a driver"));
+  Raw next(between.server().address());
+  EXPECT_EQ(begin(next).type, Type::measurement);  // from where it stands
+  between.pass(ticks(1.0));
+  between.bare().at_the_robot([&](RobotServer&) {
+    EXPECT_FALSE(between.bare().truth().fallen);
+    EXPECT_GT(between.bare().truth().q[2], 0.7 * robot_.profile().stance.com_height);
+  });
+}
+
+TEST_P(OnboardTest, DampingReachesTheRobotBehindWhichIsArmedAtItsOwnEnd) {
+  Between between(robot_, 4);
+  Raw raw(between.server().address());
+  raw.send(Type::hello, hello());
+  EXPECT_EQ(between.answer(raw).type, Type::welcome);
+  raw.send(Type::start, encode(start_of(robot_)));
+  EXPECT_EQ(between.answer(raw).type, Type::measurement);
+  between.pass(20);
+  between.server().damp("by a key");
+  between.pass(20);
+  between.bare().at_the_robot([](RobotServer& server) { EXPECT_EQ(server.state(), RobotServer::State::damped); });
+  between.server().arm();
+  EXPECT_EQ(between.server().state(), RobotServer::State::damped);
+  EXPECT_THAT(between.log, HasSubstr("not armed: arm the robot at its own end"));
+  between.bare().at_the_robot([](RobotServer& server) { server.arm(); });
+  EXPECT_THAT(complaint([&] { between.pass(20); }), HasSubstr(between.bare().address().text()));
+}
+
+TEST_P(OnboardTest, AnEndThatIsEndedComesToRestBeforeAndTakesNoOtherDriver) {
+  const auto served = in_real_time(5);
+  Raw raw(served->address());
+  start(raw);
+  Command ahead;
+  ahead.axes[0] = 1.0;
+  std::uint64_t seen = 0;
+  bool rests = true;
+  for (; seen < static_cast<std::uint64_t>(ticks(6.0)) && rests; ++seen) {
+    served->pass(1);
+    (void)tick(raw.answer());
+    raw.send(Type::command, encode(StickPosition{seen + 1, ahead}));
+    served->at_the_robot([&](RobotServer& server) { rests = server.resting(); });
+  }
+  ASSERT_FALSE(rests);
+  served->at_the_robot([](RobotServer& server) { server.retire(); });
+  EXPECT_EQ(raw.answer().type, Type::bye);
+  Raw other(served->address());
+  other.send(Type::hello, hello());
+  EXPECT_THAT(refused(other.answer()), HasSubstr("busy: the robot's end is being ended"));
+  for (int k = 0; k < ticks(6.0) / 15; ++k)
+    served->pass(15);
+  served->at_the_robot([](RobotServer& server) { EXPECT_TRUE(server.resting()); });
+}
+
+/// It measures the same, whatever it is told.
+class Statue : public Robot {
+ public:
+  explicit Statue(Measurement measurement) : measurement_(std::move(measurement)) {}
+  Measurement read() override { return measurement_; }
+  void write(const JointTarget&) override {}
+  void reset() override {}
+
+ private:
+  Measurement measurement_;
+};
+
+TEST_P(OnboardTest, ARobotThatDoesNotStandOrMeasuresTooLittleIsRefused) {
+  const World world = World::load("flat");
+  SimulatedRobot simulated(robot_, world, stand(robot_, world.site("start"), robot_.profile().stance.com_height),
+                           period_, {});
+  const auto refusal = [&](StateSource source, const std::function<void(Measurement&)>& change) {
+    Measurement measurement = simulated.read();
+    change(measurement);
+    Statue statue(measurement);
+    RobotServer server(robot_, statue, {.listen = {"127.0.0.1", 0}, .world = "flat", .navigates_in = &world});
+    Raw raw(server.address());
+    const auto said = [&](Type type, const std::string& body) {
+      raw.send(type, body);
+      for (int k = 0; k < 50; ++k)
+        server.serve(Socket::Time(1));
+      return raw.answer();
+    };
+    EXPECT_EQ(said(Type::hello, hello()).type, Type::welcome);
+    Start start = start_of(robot_);
+    start.manner.source = source;
+    const std::string why = refused(said(Type::start, encode(start)));
+    EXPECT_EQ(server.onboard() == nullptr, !why.empty());
+    return why;
+  };
+  const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  const auto sensors = StateSource::sensors;
+  EXPECT_EQ(refusal(sensors, [](Measurement&) {}), "");
+  const auto hip = robot_.leg(Side::left).front();
+  EXPECT_THAT(refusal(sensors, [&](Measurement& m) { m.q[hip] += 0.6; }), HasSubstr("posture: "));
+  EXPECT_THAT(refusal(sensors, [&](Measurement& m) { m.q[hip] = unknown.x(); }), HasSubstr("posture: "));
+  EXPECT_THAT(refusal(sensors,
+                      [&](Measurement& m) {
+                        m.sole = {{unknown, unknown}, {unknown, unknown}};
+                      }),
+              HasSubstr("sensors: --state sensors: measures no forces on its soles: must be --state torques"));
+  EXPECT_THAT(refusal(StateSource::torques, [](Measurement& m) { m.torque.resize(0); }),
+              HasSubstr("sensors: --state torques: measures no motor torques"));
+  EXPECT_THAT(refusal(StateSource::perfect, [](Measurement& m) { m.root.reset(); }),
+              HasSubstr("sensors: --state perfect: measures no pose of its root"));
 }
 
 }  // namespace

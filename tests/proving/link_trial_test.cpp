@@ -20,7 +20,7 @@ TEST_P(LinkTrialTest, WhateverHappensToTheConnectionTheRobotStandsAndComesToRest
   long drivers = 0;
   long stale = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const LinkTrialResult result = run_link_trial(robot, world, {seed, 6.0});
+    const LinkTrialResult result = run_link_trial(robot, world, {seed, {}, 6.0});
     EXPECT_EQ(result.fall, "") << "seed " << seed;
     EXPECT_TRUE(result.rests) << "seed " << seed;
     motions += result.motions;
@@ -44,8 +44,8 @@ TEST_P(LinkTrialTest, WhateverHappensToTheConnectionTheRobotStandsAndComesToRest
 TEST_P(LinkTrialTest, ItIsAFunctionOfItsSeed) {
   const RobotModel& robot = test::robot(GetParam());
   const World world = World::load("flat");
-  const LinkTrialResult once = run_link_trial(robot, world, {3, 4.0});
-  const LinkTrialResult again = run_link_trial(robot, world, {3, 4.0});
+  const LinkTrialResult once = run_link_trial(robot, world, {3, {}, 4.0});
+  const LinkTrialResult again = run_link_trial(robot, world, {3, {}, 4.0});
   EXPECT_EQ(once.motions, again.motions);
   EXPECT_EQ(once.stale, again.stale);
   EXPECT_EQ(once.faults, again.faults);

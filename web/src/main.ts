@@ -82,7 +82,7 @@ addEventListener(
   'keydown',
   (event) => {
     if (event.code === 'Space') return stopKey(event);
-    if (event.code === 'KeyX' && event.shiftKey && !event.ctrlKey && !event.metaKey && !event.altKey) return damp();
+    if (event.code === 'Digit0' && !event.repeat) return damp();
     if (event.ctrlKey || event.metaKey || event.altKey) return letGo(); // browser shortcuts
     const help = event.key === '?' || event.code === 'Slash';
     if (document.querySelector('dialog[open]') && !help) return;

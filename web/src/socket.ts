@@ -2,7 +2,7 @@
 import type { Command, State } from './protocol';
 
 type Message = State | { type: 'error'; text: string };
-type Outgoing = ({ type: 'command' } & Command) | { type: 'drive' } | { type: 'release' };
+type Outgoing = ({ type: 'command' } & Command) | { type: 'drive' } | { type: 'release' } | { type: 'damp' };
 
 const firstPause = 300; // pause before reconnecting [ms]
 const longestPause = 3000;

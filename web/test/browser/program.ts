@@ -6,7 +6,7 @@ import { chromium, type Browser, type Page } from 'playwright-core';
 
 export const path = (relative: string): string => fileURLToPath(new URL(relative, import.meta.url));
 export const patience = { timeout: 60_000 };
-const program = process.env.BATON ?? path('../../../build/release/baton');
+export const program = process.env.BATON ?? path('../../../build/release/baton');
 
 /** Starts the program; the address is the one that it prints. */
 export function start(options: string): Promise<{ run: ChildProcess; url: string }> {
