@@ -20,7 +20,7 @@ namespace {
 
 using test::complaint;
 using test::hello;
-using test::kPatience;
+using test::kLinkPatience;
 using test::Raw;
 using test::refused;
 using test::Served;
@@ -460,7 +460,7 @@ class Puppet {
       std::string bytes = framed(Type::welcome, encode(welcome));
       for (const std::string& message : more)
         bytes += message;
-      peer->send(bytes, kPatience);
+      peer->send(bytes, kLinkPatience);
       if (hangs_up) peer.reset();
       driver.join();
     }
@@ -474,7 +474,7 @@ class Puppet {
 
   Welcome welcome;
   Reading first;
-  Socket::Time silence{kPatience};
+  Socket::Time silence{kLinkPatience};
 
  private:
   const RobotModel* model_;
@@ -497,7 +497,7 @@ TEST_P(RobotServerTest, ARobotThatIsNotTheOneExpectedIsNotDriven) {
 
 TEST_P(RobotServerTest, ARobotThatBreaksTheProtocolIsNoticed) {
   const auto said = [&](const std::function<std::vector<std::string>(const Puppet&)>& messages, bool hangs_up = false,
-                        Socket::Time silence = kPatience) {
+                        Socket::Time silence = kLinkPatience) {
     Puppet puppet(robot_);
     puppet.silence = silence;
     return puppet.driven(messages(puppet), hangs_up);
@@ -566,7 +566,7 @@ class Proxy {
     while (!driver && !stop_)
       driver = listener_.accept();
     if (!driver) return;
-    Socket robot = Socket::connect(to_, kPatience);
+    Socket robot = Socket::connect(to_, kLinkPatience);
     try {
       while (!stop_ && !cut_) {
         move(*driver, robot);
@@ -598,7 +598,7 @@ class Proxy {
     } else if (left_ != std::numeric_limits<std::size_t>::max()) {
       left_ -= bytes.size();
     }
-    to.send(bytes, kPatience);
+    to.send(bytes, kLinkPatience);
   }
 
   Socket listener_;

@@ -171,7 +171,7 @@ def test_a_bare_robot_keeps_its_balance_by_a_robots_end_in_between(tmp_path):
             assert subprocess.run([BATON, "damp", end.address], capture_output=True).returncode == 0
             bare.await_log("damped: asked for by the driver")
             end.type("a")
-            end.await_log("not armed: the robot has to be armed at its own end")
+            end.await_log("not armed: arm the robot at its own end")
             bare.process.kill()
             assert end.process.wait(timeout=20) == 1
             assert bare.address in end.process.stderr.read()

@@ -19,7 +19,7 @@ namespace baton::test {
 using link::Message;
 using link::RobotServer;
 
-inline constexpr Socket::Time kPatience{20'000};
+inline constexpr Socket::Time kLinkPatience{20'000};
 
 /// A simulated robot that is served by a thread.
 class Served {
@@ -114,14 +114,14 @@ class Served {
 /// A connection without manners.
 class Raw {
  public:
-  explicit Raw(const Address& address) : socket_(Socket::connect(address, kPatience)) {}
+  explicit Raw(const Address& address) : socket_(Socket::connect(address, kLinkPatience)) {}
 
-  void send(const std::string& bytes) { socket_.send(bytes, kPatience); }
+  void send(const std::string& bytes) { socket_.send(bytes, kLinkPatience); }
   void send(link::Type type, const std::string& body) { send(link::framed(type, body)); }
   Message receive() {
     while (true) {
       if (const std::optional<Message> message = stream_.next()) return *message;
-      if (!socket_.receive(stream_.bytes(), kPatience)) throw LinkError("nothing came");
+      if (!socket_.receive(stream_.bytes(), kLinkPatience)) throw LinkError("nothing came");
     }
   }
   /// The next message that is not truth.
@@ -134,7 +134,7 @@ class Raw {
   /// Whether the other end closes the connection.
   bool closed() {
     try {
-      while (socket_.receive(stream_.bytes(), kPatience)) {
+      while (socket_.receive(stream_.bytes(), kLinkPatience)) {
       }
     } catch (const LinkError&) {
       return true;
