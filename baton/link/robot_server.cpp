@@ -380,10 +380,13 @@ void RobotServer::advance_bare() {
     bare.catch_up();
   }
   if (bare.damped()) damp("at its own end: " + bare.damped_because());
-  if (driver_ && bare.not_followed_for() > kNotFollowing) {
-    static_cast<void>(refuse(*driver_, "robot", "the robot follows no longer: " + bare.rejection()));
-    drop_driver("the robot follows no longer: " + bare.rejection());
+  if (!driver_ || bare.not_followed_for() <= kNotFollowing) return;
+  const std::string why = "the robot follows no longer: " + bare.rejection();
+  try {
+    static_cast<void>(refuse(*driver_, "robot", why));
+  } catch (const LinkError&) {  // it is gone already
   }
+  drop_driver(why);
 }
 
 void RobotServer::advance() {
