@@ -162,15 +162,10 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
       if (onboard_) return guide(peer, message);
       follow(peer, message);
       return true;
-    case Type::damp: {
-      std::string because = "asked for by the driver";
-      try {
-        because += ": " + decode_text(message.body);
-      } catch (const Malformed&) {  // no reason to go on
-      }
-      damp(because);
+    case Type::damp:
+      // Only with a text: a bit that was turned over makes a command's type that of a damp message.
+      damp("asked for by the driver: " + decode_text(message.body));
       return true;
-    }
     case Type::bye:
       parameters_.log("the driver has handed the robot back");
       return false;

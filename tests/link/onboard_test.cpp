@@ -168,6 +168,7 @@ TEST_P(OnboardTest, WhatIsOutOfPlaceEndsTheConnectionAndNotTheMotion) {
       {framed(Type::target, encode(Target{0, zero, zero, zero})), "a target: must be a command"},
       {framed(Type::command, encode(StickPosition{9, {}})), "a command after tick 9: must be at most 3"},
       {framed(Type::command, "short"), "too short"},
+      {framed(Type::damp, encode(StickPosition{3, {}})), "text"},  // a command but for a bit of its type
       {framed(Type::tick, ""), "a message of type 12 from a driver"},
       {framed(Type::start, encode(start_of(robot_))), "a second start"},
   };
