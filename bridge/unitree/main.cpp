@@ -28,7 +28,7 @@ constexpr double kFirstState = 5.0;  ///< time for the robot's first state [s]
 constexpr double kOthersEnd = 5.0;   ///< time for other commands to end, once the factory gait is released [s]
 constexpr double kAlone = 1.0;       ///< without any, after which they have ended [s]
 constexpr double kLastWords = 0.1;   ///< for which a driver can still hear why the bridge ends [s]
-constexpr Socket::Time kTurn{20};
+constexpr Socket::Time kTurn{5};  ///< a signal that a thread of DDS has taken interrupts no wait, and is seen after it
 
 std::atomic<bool> interrupted{false};
 
