@@ -1,30 +1,15 @@
 """rcssservermj (make rcss), `baton bridge rcss` and `baton drive` as processes, for tests."""
 
 import json
-import os
 import pathlib
-import re
 import socket
 import subprocess
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BATON = pathlib.Path(os.environ.get("BATON", ROOT / "build" / "release" / "baton"))
+from robots_end import BATON, ROOT, Ended, RobotsEnd
+
 SERVER = ROOT / "build" / "rcss" / "bin" / "rcssservermj"
-
-
-class Ended:
-    """A process that ends with the block."""
-
-    process: subprocess.Popen
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.communicate()
 
 
 def _free_ports(count):
@@ -63,29 +48,11 @@ class Simulator(Ended):
         self.folder.cleanup()
 
 
-class Bridge(Ended):
+class Bridge(RobotsEnd):
     """`baton bridge rcss` at `address`."""
 
     def __init__(self, server, robot="rcss_k1"):
-        command = [BATON, "bridge", "rcss", "--server", server, "--robot", robot, "--listen", "127.0.0.1:0"]
-        self.process = subprocess.Popen(
-            [str(part) for part in command],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        first = self.process.stdout.readline()
-        found = re.search(r"at (tcp://\S+);", first)
-        assert found, first + self.process.stderr.read()
-        self.address = found[1]
-
-    def await_log(self, text):
-        """Reads its log up to a line that contains this."""
-        for line in self.process.stderr:
-            if text in line:
-                return
-        raise AssertionError(f"{text!r} was not logged")
+        super().__init__(BATON, "bridge", "rcss", "--server", server, "--robot", robot, "--listen", "127.0.0.1:0")
 
 
 def drive_command(on, script, seconds, robot="rcss_k1", *more):

@@ -2,55 +2,16 @@
 
 import csv
 import json
-import os
-import pathlib
-import re
 import signal
 import subprocess
 import sys
 
 import pytest
+from robots_end import BATON, ROOT, RobotsEnd
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BATON = pathlib.Path(os.environ.get("BATON", ROOT / "build" / "release" / "baton"))
 WALK = ROOT / "examples" / "02_walk_and_turn.jsonl"
 
 pytestmark = pytest.mark.skipif(not BATON.is_file(), reason=f"no program at {BATON}: make build, or set BATON")
-
-
-class RobotsEnd:
-    """`baton robot`, or another program that says where it listens, as a context."""
-
-    def __init__(self, *command):
-        self.process = subprocess.Popen(
-            [str(part) for part in command],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        first = self.process.stdout.readline()
-        port = re.search(r"(?:port |:)(\d+)(?:;|\s*$)", first)
-        assert port, first + self.process.stderr.read()
-        self.address = f"tcp://127.0.0.1:{port[1]}"
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
-
-    def type(self, line):
-        self.process.stdin.write(line + "\n")
-        self.process.stdin.flush()
-
-    def await_log(self, text):
-        """Reads its log up to a line that contains this."""
-        for line in self.process.stderr:
-            if text in line:
-                return
-        raise AssertionError(f"{text!r} was not logged")
 
 
 def simulated(*more):
