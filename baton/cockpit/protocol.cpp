@@ -69,8 +69,6 @@ json stuck(const Stuck& stuck) {
   return {{"part", to_string(stuck.part)}, {"times", stuck.times}, {"retrace", stuck.retrace}, {"home", stuck.home}};
 }
 
-constexpr std::array<std::string_view, 4> kRecalls{"none", "retrace", "home", "stop"};
-
 std::optional<Recall> recall_named(std::string_view name) {
   const auto* found = std::find(kRecalls.begin(), kRecalls.end(), name);
   if (found == kRecalls.end()) return std::nullopt;

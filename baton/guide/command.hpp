@@ -1,7 +1,9 @@
 /// The operator's command: the latest position of the stick.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "baton/model/robot_model.hpp"
 #include "baton/motion/posture.hpp"
@@ -15,6 +17,9 @@ enum class Recall : std::uint8_t {
   home,     ///< step to the initial stance
   stop,     ///< come to rest by the quickest verified motion
 };
+
+/// Their names, in this order.
+inline constexpr std::array<std::string_view, 4> kRecalls{"none", "retrace", "home", "stop"};
 
 /// The recall of the buttons held: stop before retrace before home.
 [[nodiscard]] constexpr Recall recall_of(bool stop, bool retrace, bool home) {

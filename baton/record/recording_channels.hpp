@@ -58,9 +58,6 @@ inline constexpr std::array<TopicInfo, 16> kTopics{{
     {"/joy", "sensor_msgs/msg/Joy", true},
 }};
 
-/// In the order of `Recall`.
-inline constexpr std::array<std::string_view, 4> kRecalls{"none", "retrace", "home", "stop"};
-
 [[nodiscard]] constexpr const TopicInfo& info(Topic topic) {
   return kTopics[static_cast<std::size_t>(topic)];
 }

@@ -12,8 +12,6 @@ namespace {
 
 using Pair = std::pair<double, double>;
 
-constexpr std::array<std::string_view, 4> kRecalls{"none", "retrace", "home", "stop"};
-
 Recall recall_named(const std::string& name) {
   const auto* const found = std::ranges::find(kRecalls, name);
   if (found == kRecalls.end())
