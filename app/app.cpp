@@ -147,7 +147,7 @@ void add_robot(CLI::App& command, RobotOptions& o) {
   command.add_flag("--real-time", o.real_time, "Go on by the clock, as a real robot; else wait for each command");
   command.add_flag(
       "--targets", o.targets,
-      "Be a bare robot that follows targets for its joints; else it keeps its balance and plans by itself");
+      "Be a robot that only follows targets for its joints; else it keeps its balance and plans by itself");
   command
       .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();

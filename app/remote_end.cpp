@@ -21,7 +21,7 @@ constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which
 RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World& world)
     : address_(o.on), model_(&robot) {
   check_physics(o.physics, o.on);
-  const link::Manner manner{modes_of(o.modes), state_named(o.physics.state)};
+  const link::NavigationOptions navigation{modes_of(o.modes), state_named(o.physics.state)};
   const auto accept = [&](const link::Welcome& robots_end) {
     const auto belongs_there = [&](const char* option, bool given) {
       if (given && robots_end.navigates)
@@ -37,9 +37,9 @@ RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World
   owned_ = std::make_unique<link::RemoteRobot>(
       robot, world.name(),
       link::RemoteRobot::Parameters{
-          .address = Address::parse(o.on), .token = token_in(o.token), .manner = manner, .accept = accept});
+          .address = Address::parse(o.on), .token = token_in(o.token), .navigation = navigation, .accept = accept});
   remote_ = owned_.get();
-  if (const auto what = link::lacks(remote_->read(), manner.source))
+  if (const auto what = link::lacks(remote_->read(), navigation.source))
     throw InputError(fmt::format("the robot at {}: {}", o.on, *what));
 }
 
@@ -57,7 +57,7 @@ std::unique_ptr<Planning> RemoteEnd::planning(std::unique_ptr<Planning> planner)
 }
 
 void RemoteEnd::catch_up() {
-  if (!welcome().navigates) remote_->catch_up();  // else the session lives through each tick
+  if (!welcome().navigates) remote_->catch_up();  // else the session runs each tick
 }
 
 bool RemoteEnd::step(Session& session, const Command& command) {
@@ -99,8 +99,8 @@ void RemoteEnd::look_engaged(const Session& session) {
 }
 
 void RemoteEnd::warn() {
-  if (remote_->rejected() > 0 && told_ == 0) spdlog::warn("the robot has rejected a target: {}", remote_->rejection());
-  told_ = remote_->rejected();
+  if (remote_->rejected() > 0 && !std::exchange(told_, true))
+    spdlog::warn("the robot has rejected a target: {}", remote_->rejection());
   if (!welcome().navigates || remote_->tick().stale == stale_) return;
   stale_ = remote_->tick().stale;
   if (stale_) {

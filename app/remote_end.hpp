@@ -54,8 +54,8 @@ class RemoteEnd {
   std::unique_ptr<link::RemoteRobot> owned_;
   link::RemoteRobot* remote_;
   bool engaging_ = false;
-  long rested_ = 0;  ///< ticks, while engaging
-  long told_ = 0;    ///< rejected targets at the last warning
+  long rested_ = 0;    ///< ticks, while engaging
+  bool told_ = false;  ///< that the robot has rejected a target
   bool stale_ = false;
   bool damped_ = false;  ///< that has been asked for
   std::string broken_;

@@ -18,8 +18,8 @@ constexpr Socket::Time kAnswering{500};  ///< longest time without a measurement
 /// The robot that follows targets at `--on`.
 /// @param parameters those that depend on it are set
 /// @throws InputError it navigates by itself, or waits for its targets; it is simulated elsewhere
-std::unique_ptr<Robot> bare_robot(const RobotOptions& o, const RobotModel& model, const World& world,
-                                  link::RobotServer::Parameters& parameters) {
+std::unique_ptr<Robot> robot_behind(const RobotOptions& o, const RobotModel& model, const World& world,
+                                    link::RobotServer::Parameters& parameters) {
   check_physics(o.physics, *o.on);
   if (o.targets) throw InputError("--targets with --on: would only pass targets on; leave one of them out");
   const auto accept = [&](const link::Welcome& robots_end) {
@@ -27,13 +27,13 @@ std::unique_ptr<Robot> bare_robot(const RobotOptions& o, const RobotModel& model
     throw InputError(fmt::format("--on {}: that robot {}: drive it with baton drive", *o.on,
                                  robots_end.navigates ? "navigates by itself" : "waits for its targets"));
   };
-  auto bare = std::make_unique<link::RemoteRobot>(
+  auto remote = std::make_unique<link::RemoteRobot>(
       model, world.name(),
       link::RemoteRobot::Parameters{
           .address = Address::parse(*o.on), .token = token_in(o.on_token), .accept = accept, .answering = kAnswering});
-  parameters.on = bare->welcome().on;
-  parameters.bare = bare.get();
-  return bare;
+  parameters.on = remote->welcome().on;
+  parameters.remote = remote.get();
+  return remote;
 }
 
 }  // namespace
@@ -43,7 +43,6 @@ int robot(const RobotOptions& o) {
     throw InputError("robot: either --sim, or --on tcp://HOST:PORT: where a robot follows targets");
   const RobotModel model = robot_in(o.physics, o.robot);
   const World world = World::load(o.world);
-  const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
   link::RobotServer::Parameters parameters{.listen = Address::parse(o.listen),
                                            .token = token_in(o.token),
                                            .world = world.name(),
@@ -53,9 +52,10 @@ int robot(const RobotOptions& o) {
   parameters.planning = [&, live = parameters.real_time](Modes modes) { return planner_of(model, world, modes, live); };
   std::unique_ptr<Robot> robot;
   if (o.on) {
-    robot = bare_robot(o, model, world, parameters);
+    robot = robot_behind(o, model, world, parameters);
   } else {
     if (o.on_token) throw InputError("--on-token goes with --on tcp://HOST:PORT");
+    const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
     robot = std::make_unique<SimulatedRobot>(model, world, start, model.profile().tick.period,
                                              parameters_of(o.physics, model, "sim", o.seed));
   }

@@ -68,7 +68,7 @@ int soak_link(const SoakOptions& o) {
   const RobotModel robot = load_robot(o.robot, o.physics.drive);
   const World world = World::load(o.world);
   check_distinct({{"--report", o.report}}, files_read(o.robot, robot, world));
-  const link::Manner manner{modes_of(o.modes), state_named(o.physics.state)};
+  const link::NavigationOptions navigation{modes_of(o.modes), state_named(o.physics.state)};
   LinkTotals totals;
   std::atomic<long> next{0};
   std::mutex mutex;
@@ -77,7 +77,7 @@ int soak_link(const SoakOptions& o) {
     try {
       for (long i = next++; i < *o.seeds && !interrupted; i = next++) {
         const auto seed = static_cast<std::uint64_t>(o.seed + i);
-        const LinkTrialResult result = run_link_trial(robot, world, {seed, manner, o.episode.value_or(10.0)});
+        const LinkTrialResult result = run_link_trial(robot, world, {seed, navigation, o.episode.value_or(10.0)});
         const std::lock_guard lock(mutex);
         totals.add(result, seed);
         if (isatty(STDERR_FILENO) == 1)

@@ -133,18 +133,18 @@ int version_in(const JsonReader& reader) {
   return static_cast<int>(reader.at("baton").integer(0, std::numeric_limits<int>::max()));
 }
 
-Manner manner_in(const JsonReader& reader) {
+NavigationOptions navigation_in(const JsonReader& reader) {
   const auto is = [&](const char* key, std::initializer_list<std::string_view> known, std::string_view value) {
     return reader.has(key) && reader.at(key).one_of(known) == value;
   };
-  Manner manner;
-  if (is("duration", {"paper", "search"}, "search")) manner.modes.duration = DurationRule::search;
-  if (is("gait", {"flow", "stop"}, "stop")) manner.modes.gait = Gait::stop;
-  if (is("on_limit", {"shrink", "discard"}, "discard")) manner.modes.on_limit = OnLimit::discard;
+  NavigationOptions navigation;
+  if (is("duration", {"paper", "search"}, "search")) navigation.modes.duration = DurationRule::search;
+  if (is("gait", {"flow", "stop"}, "stop")) navigation.modes.gait = Gait::stop;
+  if (is("on_limit", {"shrink", "discard"}, "discard")) navigation.modes.on_limit = OnLimit::discard;
   for (const StateSource source : {StateSource::torques, StateSource::perfect}) {
-    if (is("state", {"sensors", "torques", "perfect"}, to_string(source))) manner.source = source;
+    if (is("state", {"sensors", "torques", "perfect"}, to_string(source))) navigation.source = source;
   }
-  return manner;
+  return navigation;
 }
 
 void write_command(Writer& writer, const Command& command) {
@@ -155,7 +155,7 @@ void write_command(Writer& writer, const Command& command) {
 Command read_command(Reader& reader) {
   Command command;
   command.guide = static_cast<Part>(reader.below(kParts.size(), "a guided part"));
-  command.recall = static_cast<Recall>(reader.below(static_cast<std::uint8_t>(Recall::stop) + 1, "a recall"));
+  command.recall = static_cast<Recall>(reader.below(kRecalls.size(), "a recall"));
   for (const Side side : kSides)
     command.lift[side] = reader.number<double>();
   command.axes = reader.vector(command.axes.size());
@@ -212,14 +212,14 @@ std::string encode(const Welcome& welcome) {
 
 std::string encode(const Start& start) {
   const auto list = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
-  const Modes& modes = start.manner.modes;
+  const Modes& modes = start.navigation.modes;
   return dumped({{"drive", start.drive},
                  {"kp", list(start.kp)},
                  {"kd", list(start.kd)},
                  {"duration", modes.duration == DurationRule::search ? "search" : "paper"},
                  {"gait", modes.gait == Gait::stop ? "stop" : "flow"},
                  {"on_limit", modes.on_limit == OnLimit::discard ? "discard" : "shrink"},
-                 {"state", to_string(start.manner.source)}});
+                 {"state", to_string(start.navigation.source)}});
 }
 
 std::string encode(const Refusal& refusal) {
@@ -326,7 +326,7 @@ Welcome decode_welcome(const std::string& body) {
 Start decode_start(const std::string& body, Eigen::Index joints) {
   return from_json("start", body, [joints](const JsonReader& reader) {
     return Start{reader.at("drive").one_of({"torque", "pd", "stiff"}), reader.at("kp").vector(joints),
-                 reader.at("kd").vector(joints), manner_in(reader)};
+                 reader.at("kd").vector(joints), navigation_in(reader)};
   });
 }
 

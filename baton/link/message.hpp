@@ -82,7 +82,7 @@ struct Welcome {
 };
 
 /// How a robot that navigates by itself is to do so.
-struct Manner {
+struct NavigationOptions {
   Modes modes{};
   StateSource source = StateSource::sensors;
 };
@@ -92,7 +92,7 @@ struct Start {
   std::string drive;
   VecX kp;  ///< [N·m/rad]
   VecX kd;  ///< [N·m·s/rad]
-  Manner manner{};
+  NavigationOptions navigation{};
 };
 
 struct Refusal {

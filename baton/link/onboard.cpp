@@ -10,7 +10,7 @@ Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Para
     : model_(&model),
       parameters_(std::move(parameters)),
       session_(model, world, robot, engage(model, world.site("start"), robot.read().q),
-               {parameters_.manner.modes, parameters_.manner.source, parameters_.planning.get()}) {
+               {parameters_.navigation.modes, parameters_.navigation.source, parameters_.planning.get()}) {
   session_.add(*this);
 }
 
@@ -23,6 +23,11 @@ const Tick& Onboard::step() {
   session_.step(tick_.command);
   tick_.reading.sequence = ticks_++;
   return tick_;
+}
+
+bool Onboard::rests() const {
+  const BySide<bool>& contact = session_.navigator().sample().contact;
+  return session_.resting() && contact.left && contact.right;
 }
 
 void Onboard::on_tick(const TickRecord& record) {

@@ -14,7 +14,7 @@ namespace baton::link {
 class Onboard : private Sink {
  public:
   struct Parameters {
-    Manner manner{};
+    NavigationOptions navigation{};
     bool lock_step = true;                 ///< each tick has a command of its own, which is fresh
     std::unique_ptr<Planning> planning{};  ///< null: synchronous, in `step`
   };
@@ -29,9 +29,9 @@ class Onboard : private Sink {
   /// The stick's newest position. It knows of no tick that has not been.
   void hear(const StickPosition& stick) { stick_ = stick; }
   /// There is no driver any more.
-  void let_go() { stick_.reset(); }
+  void driver_gone() { stick_.reset(); }
 
-  /// Lives through a tick.
+  /// Runs a tick.
   /// @returns what was done: `tick`
   const Tick& step();
   /// The last tick.
@@ -41,6 +41,8 @@ class Onboard : private Sink {
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
   /// Whether the stick was too old to be followed in the last of them.
   [[nodiscard]] bool stale() const { return tick_.stale; }
+  /// Whether the robot is at rest on both feet.
+  [[nodiscard]] bool rests() const;
   [[nodiscard]] const Session& session() const { return session_; }
 
  private:

@@ -89,7 +89,7 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
         fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(), welcome_.world));
   std::exchange(parameters_.accept, nullptr)(welcome_);
   Start start = start_of(*model_);
-  start.manner = parameters_.manner;
+  start.navigation = parameters_.navigation;
   socket_.send(framed(Type::start, encode(start)), kSending);
 }
 

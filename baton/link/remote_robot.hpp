@@ -3,7 +3,7 @@
 ///
 /// One that follows targets is a robot like any other: `write` sends the target, and returns when it has measured
 /// again, at once if that was some time ago. One that navigates by itself follows commands: `guide` sends one and
-/// returns the one that was followed in its next tick. A session at this end lives through the same ticks, with
+/// returns the one that was followed in its next tick. A session at this end runs the same ticks, with
 /// `EchoedPlanning`, and `write` compares what it comes to: so all that can be known of a run is known here, too.
 #pragma once
 
@@ -22,8 +22,8 @@ class RemoteRobot : public Robot {
  public:
   struct Parameters {
     Address address;
-    std::string token;  ///< "": none
-    Manner manner{};    ///< for a robot that navigates by itself
+    std::string token;               ///< "": none
+    NavigationOptions navigation{};  ///< for a robot that navigates by itself
     /// Called before the robot is taken over; throws if it shall not be.
     std::function<void(const Welcome&)> accept = [](const Welcome&) {};
     Socket::Time connecting{3000};   ///< longest time for an answer to come while connecting

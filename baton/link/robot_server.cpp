@@ -37,7 +37,7 @@ bool same_token(const std::string& a, const std::string& b) {
   return differs == 0;
 }
 
-std::string_view told_of(Guard guard) {
+std::string_view text_of(Guard guard) {
   switch (guard) {
     case Guard::fallen:
       return "the robot has fallen: its motors are soft";
@@ -74,7 +74,7 @@ void RobotServer::serve(Socket::Time limit) {
     all.push_back({guest.socket.descriptor(), POLLIN, 0});
   if (driver_) all.push_back({driver_->socket.descriptor(), POLLIN, 0});
   std::chrono::nanoseconds wait = more_ ? Socket::Time(0) : limit;
-  if (parameters_.bare != nullptr) {
+  if (parameters_.remote != nullptr) {
     wait = runs_ ? 0ns : std::min<std::chrono::nanoseconds>(wait, period());
   } else if (parameters_.real_time && runs_) {
     wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
@@ -210,16 +210,16 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   if (const std::optional<std::string> why =
           parameters_.set_servos ? parameters_.set_servos(start) : wrong_servos(start))
     return refuse(peer, "servos", *why);
-  if (parameters_.bare == nullptr) {
+  if (parameters_.remote == nullptr) {
     onboard_.reset();  // the robot does not stand where that one left it
     robot_->reset();
   } else if (!resting()) {
     return refuse(peer, "posture", "the robot is still coming to rest: try again");
   }
   if (parameters_.navigates_in != nullptr) {
-    if (const auto what = lacks(robot_->read(), start.manner.source)) return refuse(peer, "sensors", *what);
-    Onboard::Parameters parameters{start.manner, !parameters_.real_time, nullptr};
-    if (parameters_.planning) parameters.planning = parameters_.planning(start.manner.modes);
+    if (const auto what = lacks(robot_->read(), start.navigation.source)) return refuse(peer, "sensors", *what);
+    Onboard::Parameters parameters{start.navigation, !parameters_.real_time, nullptr};
+    if (parameters_.planning) parameters.planning = parameters_.planning(start.navigation.modes);
     try {
       onboard_ = std::make_unique<Onboard>(*model_, *parameters_.navigates_in, *robot_, std::move(parameters));
     } catch (const InputError& error) {
@@ -301,7 +301,7 @@ void RobotServer::move() {
     brake();
   } else if (onboard_) {
     reading_ = onboard_->step().reading;
-    return tell();
+    return log_changes();
   } else if (!answered()) {
     target_.dq.setZero();  // nothing to follow: it stays where the last good target was
   }
@@ -319,23 +319,21 @@ void RobotServer::report() {
   }
 }
 
-void RobotServer::tell() {
+void RobotServer::log_changes() {
   if (driver_ && std::exchange(stale_, onboard_->stale()) != onboard_->stale())
     parameters_.log(onboard_->stale() ? fmt::format("link: the stick's positions are more than {} s old: comes to rest",
                                                     Onboard::kFresh)
                                       : "link: the stick counts again");
   const auto* changed = find_event<GuardChanged>(onboard_->session().navigator().events());
-  if (changed != nullptr) parameters_.log(std::string(told_of(changed->to)));
+  if (changed != nullptr) parameters_.log(std::string(text_of(changed->to)));
   const bool rests = !driver_ && resting();
-  if (rests && !rest_told_) parameters_.log("at rest, without a driver");
-  rest_told_ = rests;
+  if (rests && !rest_logged_) parameters_.log("at rest, without a driver");
+  rest_logged_ = rests;
 }
 
 bool RobotServer::resting() const {
   if (!onboard_ || !parameters_.real_time || state_ == State::damped) return true;
-  const Session& session = onboard_->session();
-  const BySide<bool>& contact = session.navigator().sample().contact;
-  return session.navigator().guard() != Guard::armed || (session.resting() && contact.left && contact.right);
+  return onboard_->session().navigator().guard() != Guard::armed || onboard_->rests();
 }
 
 void RobotServer::retire() {
@@ -355,7 +353,7 @@ void RobotServer::brake() {
 }
 
 void RobotServer::advance_if_due() {
-  if (parameters_.bare != nullptr) return advance_bare();
+  if (parameters_.remote != nullptr) return advance_remote();
   if (!parameters_.real_time || !runs_) return;
   for (int tick = 0; tick < kMostBehind && parameters_.now() >= due_; ++tick) {
     due_ += period();
@@ -364,19 +362,19 @@ void RobotServer::advance_if_due() {
   if (parameters_.now() < due_) return;
   due_ = parameters_.now() + period();
   parameters_.log("too slow for real time: time was left out");
-  if (onboard_) onboard_->let_go();  // what the stick asked for is older than its ticks tell
+  if (onboard_) onboard_->driver_gone();  // what the stick asked for is older than its ticks tell
 }
 
-void RobotServer::advance_bare() {
-  RemoteRobot& bare = *parameters_.bare;
+void RobotServer::advance_remote() {
+  RemoteRobot& remote = *parameters_.remote;
   if (runs_) {
     advance();  // up to its next measurement
   } else {
-    bare.catch_up();
+    remote.catch_up();
   }
-  if (bare.damped()) damp("at its own end: " + bare.damped_because());
-  if (!driver_ || bare.not_followed_for() <= kNotFollowing) return;
-  const std::string why = "the robot follows no longer: " + bare.rejection();
+  if (remote.damped()) damp("at its own end: " + remote.damped_because());
+  if (!driver_ || remote.not_followed_for() <= kNotFollowing) return;
+  const std::string why = "the robot follows no longer: " + remote.rejection();
   try {
     static_cast<void>(refuse(*driver_, "robot", why));
   } catch (const LinkError&) {  // it is gone already
@@ -424,7 +422,7 @@ bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::strin
 void RobotServer::drop_driver(const std::string& why) {
   if (!why.empty()) parameters_.log("driver lost: " + why);
   driver_.reset();
-  if (onboard_) onboard_->let_go();
+  if (onboard_) onboard_->driver_gone();
   if (state_ == State::driven) state_ = State::waiting;
 }
 
@@ -439,9 +437,9 @@ void RobotServer::damp(const std::string& because) {
     } catch (const LinkError&) {  // `serve` finds that out, too
     }
   }
-  if (parameters_.bare == nullptr || parameters_.bare->damped()) return;
+  if (parameters_.remote == nullptr || parameters_.remote->damped()) return;
   try {
-    parameters_.bare->damp(because);
+    parameters_.remote->damp(because);
   } catch (const LinkError& error) {  // its next measurement does not come, which ends this end
     parameters_.log(fmt::format("the robot could not be told: {}", error.what()));
   }
@@ -449,7 +447,7 @@ void RobotServer::damp(const std::string& because) {
 
 void RobotServer::arm() {
   if (state_ != State::damped) return;
-  if (parameters_.bare != nullptr && parameters_.bare->damped())
+  if (parameters_.remote != nullptr && parameters_.remote->damped())
     return parameters_.log("not armed: arm the robot at its own end, and start this one again");
   if (driver_) {
     try {

@@ -30,7 +30,7 @@ class RobotServer {
     std::function<std::unique_ptr<Planning>(Modes)> planning{};
     /// Connection to the robot itself, if that follows targets somewhere else and is balanced from here. In real time
     /// only, by the clock of that robot; null: `robot` is moved from here.
-    RemoteRobot* bare = nullptr;
+    RemoteRobot* remote = nullptr;
     /// In real time: a target is written as soon as it has come, and once. For a robot that moves by itself, not in
     /// `write`, and stays where the last target was.
     bool immediate = false;
@@ -41,7 +41,7 @@ class RobotServer {
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
 
-  /// `model`, `robot` and the world must outlive this object. The robot must have a `reset`, unless it is `bare`.
+  /// `model`, `robot` and the world must outlive this object. The robot must have a `reset`, unless it is `remote`.
   /// @throws InputError the address cannot be listened on, or needs a token
   RobotServer(const RobotModel& model, Robot& robot, Parameters parameters);
 
@@ -55,7 +55,7 @@ class RobotServer {
 
   /// Waits for messages, and does what they ask for; in real time, also moves the robot when a tick is over.
   /// @param limit longest wait
-  /// @throws LinkError the robot that is `bare` is gone
+  /// @throws LinkError the robot that is `remote` is gone
   void serve(Socket::Time limit);
 
   /// Drops the driver, and takes no other: for the time until the robot rests.
@@ -66,7 +66,7 @@ class RobotServer {
   /// The motors only brake from now on, whatever a driver says.
   /// @param because one line, for the log and the driver
   void damp(const std::string& because);
-  /// Ends that. Who drove has to begin anew. A robot that is `bare` has to be armed at its own end before.
+  /// Ends that. Who drove has to begin anew. A robot that is `remote` has to be armed at its own end before.
   void arm();
 
  private:
@@ -102,13 +102,13 @@ class RobotServer {
   void report();
   void brake();
   /// Logs what the navigator at this end has done in a tick, as far as somebody beside the robot wants to know it.
-  void tell();
+  void log_changes();
   [[nodiscard]] Clock::duration period() const;
   /// In real time, by the clock or as the robot says.
   void advance_if_due();
   /// Moves, and drops a driver that is gone.
   void advance();
-  void advance_bare();
+  void advance_remote();
   void send_reading(Peer& peer);
   /// Truth, if there is any, and a message.
   void send(Peer& peer, const std::string& message);
@@ -128,8 +128,8 @@ class RobotServer {
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent
   std::string damped_because_;
-  bool stale_ = false;      ///< that the stick was has been logged
-  bool rest_told_ = false;  ///< that it rests without a driver has been logged
+  bool stale_ = false;        ///< that the stick was has been logged
+  bool rest_logged_ = false;  ///< that it rests without a driver has been logged
   bool retired_ = false;
   long rejections_ = 0;
   long refusals_ = 0;             ///< not logged yet

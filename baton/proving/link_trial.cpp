@@ -23,9 +23,9 @@ constexpr double kFaultEvery = 1.5;  ///< on average [s]
 /// Says what a driver says, with a random stick.
 class RandomDriver {
  public:
-  RandomDriver(const RobotModel& robot, const link::Manner& manner, std::uint64_t seed)
+  RandomDriver(const RobotModel& robot, const link::NavigationOptions& navigation, std::uint64_t seed)
       : start_(link::start_of(robot)), stick_(seed, robot.profile().tick.period) {
-    start_.manner = manner;
+    start_.navigation = navigation;
   }
 
   /// What a connection begins with.
@@ -156,7 +156,7 @@ class LinkRun {
                                  Modes modes) { return std::make_unique<LatePlanning>(robot, world, modes, seed); },
                  .now = [this] { return link::RobotServer::Clock::time_point(clock(now_)); },
                  .log = [this](const std::string& line) { log(line); }}),
-        driver_(robot, trial.manner, mixed_seed(trial.seed, 2)) {
+        driver_(robot, trial.navigation, mixed_seed(trial.seed, 2)) {
     result_.delay = dice_.percent(50) ? 0.05 * dice_.share() : 0.5 * dice_.share();
     result_.jitter = dice_.percent(50) ? 0.0 : 0.2 * dice_.share();
   }
@@ -172,7 +172,8 @@ class LinkRun {
     const double end = now_ + kGoneFor;
     for (; now_ < end && result_.fall.empty(); pass()) {
     }
-    result_.rests = result_.fall.empty() && rests();
+    const link::Onboard* onboard = server_.onboard();  // null: no driver has taken over, and it stands as it began
+    result_.rests = result_.fall.empty() && (onboard == nullptr || onboard->rests());
     return std::move(result_);
   }
 
@@ -186,13 +187,6 @@ class LinkRun {
     return std::chrono::duration_cast<link::RobotServer::Clock::duration>(std::chrono::duration<double>(t));
   }
 
-  /// On both feet; as it began, if no driver has taken over.
-  [[nodiscard]] bool rests() const {
-    if (server_.onboard() == nullptr) return true;
-    const Session& session = server_.onboard()->session();
-    const BySide<bool>& contact = session.navigator().sample().contact;
-    return session.resting() && contact.left && contact.right;
-  }
   void log(const std::string& line) {
     if (line == "a driver has taken over") ++result_.drivers;
     result_.log.push_back(line);

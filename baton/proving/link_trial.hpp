@@ -32,7 +32,7 @@ inline constexpr std::array<std::string_view, 8> kLinkFaults{"stall",  "cut",  "
 
 struct LinkTrial {
   std::uint64_t seed = 0;
-  link::Manner manner{};
+  link::NavigationOptions navigation{};
   double seconds = 10.0;  ///< driven; then the driver is gone
 };
 

@@ -175,17 +175,17 @@ TEST(LinkMessage, ACommandOfAPartOrRecallThatThereIsNotIsMalformed) {
 TEST(LinkMessage, TheMannerOfNavigationIsWhatWasAskedFor) {
   for (int k = 0; k < 24; ++k) {
     Start start{"pd", Vec2(1.0, 2.0), Vec2(3.0, 4.0), {}};
-    start.manner.modes = {static_cast<DurationRule>(k % 2), static_cast<OnLimit>(k / 2 % 2),
-                          static_cast<Gait>(k / 4 % 2)};
-    start.manner.source = static_cast<StateSource>(k / 8);
+    start.navigation.modes = {static_cast<DurationRule>(k % 2), static_cast<OnLimit>(k / 2 % 2),
+                              static_cast<Gait>(k / 4 % 2)};
+    start.navigation.source = static_cast<StateSource>(k / 8);
     const Start read = decode_start(encode(start), 2);
-    EXPECT_EQ(read.manner.modes.duration, start.manner.modes.duration);
-    EXPECT_EQ(read.manner.modes.on_limit, start.manner.modes.on_limit);
-    EXPECT_EQ(read.manner.modes.gait, start.manner.modes.gait);
-    EXPECT_EQ(read.manner.source, start.manner.source);
+    EXPECT_EQ(read.navigation.modes.duration, start.navigation.modes.duration);
+    EXPECT_EQ(read.navigation.modes.on_limit, start.navigation.modes.on_limit);
+    EXPECT_EQ(read.navigation.modes.gait, start.navigation.modes.gait);
+    EXPECT_EQ(read.navigation.source, start.navigation.source);
   }
   const Start bare = decode_start(R"({"drive": "pd", "kp": [1, 2], "kd": [3, 4]})", 2);  // of an older driver
-  EXPECT_EQ(bare.manner.source, StateSource::sensors);
+  EXPECT_EQ(bare.navigation.source, StateSource::sensors);
   EXPECT_THAT(malformed([] { (void)decode_start(R"({"drive": "pd", "kp": [1], "kd": [3], "gait": "gallop"})", 1); }),
               HasSubstr("gait"));
 }

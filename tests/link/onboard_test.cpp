@@ -23,15 +23,15 @@ using testing::HasSubstr;
 /// A session that lives through what a robot at the other end does.
 class Echo {
  public:
-  Echo(const RobotModel& model, const Served& served, const Manner& manner = {}) {
+  Echo(const RobotModel& model, const Served& served, const NavigationOptions& navigation = {}) {
     RemoteRobot::Parameters parameters{served.address(), ""};
-    parameters.manner = manner;
+    parameters.navigation = navigation;
     auto connected = std::make_unique<RemoteRobot>(model, "flat", parameters);
     robot = connected.get();
-    planning_ =
-        std::make_unique<EchoedPlanning>(*robot, std::make_unique<DirectPlanning>(model, served.world(), manner.modes));
+    planning_ = std::make_unique<EchoedPlanning>(
+        *robot, std::make_unique<DirectPlanning>(model, served.world(), navigation.modes));
     Simulation::Parameters simulation;
-    simulation.session = {manner.modes, manner.source, planning_.get()};
+    simulation.session = {navigation.modes, navigation.source, planning_.get()};
     simulation_.emplace(model, served.world(), std::move(connected), simulation);
   }
   void step(const Command& command) { simulation_->session().step(robot->guide(command)); }
@@ -122,9 +122,7 @@ TEST_P(OnboardTest, ADriverThatIsGoneAtAnyTimeLeavesARobotThatComesToRestOnBothF
       served->pass(15);
     served->at_the_robot([&](RobotServer& server) {
       EXPECT_EQ(server.state(), RobotServer::State::waiting);
-      const Session& session = server.onboard()->session();
-      EXPECT_TRUE(session.resting());
-      EXPECT_TRUE(session.navigator().sample().contact.left && session.navigator().sample().contact.right);
+      EXPECT_TRUE(server.onboard()->rests());
       EXPECT_FALSE(served->truth().fallen);
       EXPECT_GT(served->truth().q[2], 0.7 * robot_.profile().stance.com_height);
     });
@@ -280,7 +278,7 @@ class Between {
                  .world = "flat",
                  .real_time = true,
                  .navigates_in = &bare_.world(),
-                 .bare = &remote_,
+                 .remote = &remote_,
                  .log = [this](const std::string& line) { log += line + '\n'; }}) {}
 
   void pass(int ticks) {
@@ -419,7 +417,7 @@ TEST_P(OnboardTest, ARobotThatDoesNotStandOrMeasuresTooLittleIsRefused) {
     };
     EXPECT_EQ(said(Type::hello, hello()).type, Type::welcome);
     Start start = start_of(robot_);
-    start.manner.source = source;
+    start.navigation.source = source;
     const std::string why = refused(said(Type::start, encode(start)));
     EXPECT_EQ(server.onboard() == nullptr, !why.empty());
     return why;
