@@ -139,6 +139,15 @@ Goal Guide::stay(const GuideContext& context, Part guided) const {
   return goal;
 }
 
+Goal Guide::staying(const GuideContext& context, Part guided) const {
+  Goal goal = stay(context, guided);
+  goal.kind = SegmentKind::arms;
+  for (const Side side : kSides) {
+    if (!goal.contact[side]) goal.swing = side;
+  }
+  return goal;
+}
+
 void Guide::arms_home(Goal& goal) const {
   for (const Side side : kSides) {
     for (const int j : robot_->arm(side))

@@ -84,6 +84,9 @@ class Guide {
   /// other foot in the same direction. Nothing if that step would be too short.
   [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Target& target) const;
 
+  /// The goal in which nothing moves but what drives the arms.
+  [[nodiscard]] Goal staying(const GuideContext& context, Part guided) const;
+
   /// Landings of a foot in the air: below it, on its latest foothold, or on the nearest valid foothold; with the COM at
   /// its current height, then lower.
   [[nodiscard]] GuideResult landings(const GuideContext& context, Side side) const;

@@ -1,8 +1,10 @@
 /// A goal: consistent target poses of all body parts, to be reached at rest.
 #pragma once
 
+#include <memory>
 #include <optional>
 
+#include "baton/motion/arm_path.hpp"
 #include "baton/motion/posture.hpp"
 
 namespace baton {
@@ -15,12 +17,14 @@ enum class SegmentKind {
   air,    ///< a foot moves in the air
   lower,  ///< a foot in the air lands
   reach,  ///< both feet stay; a hand is guided
+  arms,   ///< nothing moves but the arms, by targets from outside
 };
 
-inline constexpr std::size_t kSegmentKinds = static_cast<std::size_t>(SegmentKind::reach) + 1;
+inline constexpr std::size_t kSegmentKinds = static_cast<std::size_t>(SegmentKind::arms) + 1;
 
 [[nodiscard]] constexpr std::string_view to_string(SegmentKind kind) {
-  constexpr std::array<std::string_view, kSegmentKinds> names{"shift", "step", "lift", "air", "lower", "reach"};
+  constexpr std::array<std::string_view, kSegmentKinds> names{"shift", "step",  "lift", "air",
+                                                                 "lower", "reach", "arms"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -40,6 +44,8 @@ struct Goal {
   BySide<std::optional<Pose>> hand;
   /// Joint angles (n); only those of arms whose hand has no pose are used [rad].
   VecX arms;
+  /// Of joints that are driven from outside; they do not follow `arms`. Null: there are none.
+  std::shared_ptr<const ArmPath> arm_path{};
 };
 
 }  // namespace baton

@@ -19,6 +19,10 @@ constexpr double kReserve = 0.05;       ///< share of the ZMP's room that a capt
 constexpr double kZmpDeficit = 0.12;    ///< ZMP that the ground does not give, and that does not count [COM height]
 constexpr double kLeastCapture = 0.15;  ///< least length of a capture step: the push may go on [COM height]
 constexpr double kCooling = 0.25;       ///< time between two requests to stand straighter, for any robot [s]
+constexpr double kArmsOff = 0.01;       ///< distance of an arm's joint from its target for which it is moved [rad]
+constexpr double kArmsSoonest = 0.1;    ///< from when on it is looked for, on the way, for any robot [s]
+constexpr double kArmsLook = 0.1;       ///< how far apart, for any robot [s]
+constexpr int kArmsLooks = 5;           ///< how often
 constexpr double kFarther = 1.5;        ///< ratio of lengths from which a longer capture step replaces one under way
 
 bool both_stand(const BySide<bool>& contact) {
@@ -39,6 +43,12 @@ class Requests {
   [[nodiscard]] Request replacing(int at) const;
   /// Replaces it by what the stick asks for.
   [[nodiscard]] Request on_the_way(int at) const;
+  /// The same, with the arms as they are driven from outside; and, if they move, without.
+  [[nodiscard]] Request with_arms(Request request) const;
+  /// The arms alone, from where the robot rests next.
+  [[nodiscard]] Request arms_from_rest() const;
+  /// Replaces the motion under way by one to the same goal, in which the arms follow what drives them now.
+  [[nodiscard]] Request arms_on_the_way(int at) const;
   /// Replaces it by a motion to rest: a foot in the air can only land.
   [[nodiscard]] Request ending(int at) const;
   /// Stops the motion under way, unless it already does that.
@@ -51,6 +61,13 @@ class Requests {
   [[nodiscard]] std::optional<Request> catching() const;
 
   [[nodiscard]] bool replaceable(int at) const;
+  /// Whether the arms may be asked for now.
+  [[nodiscard]] bool arms_due() const;
+  /// Whether the motion under way is to be replaced for the arms.
+  [[nodiscard]] bool arms_replaceable(int at) const;
+  /// Whether arms that are driven from outside are planned to be elsewhere soon than they are to be.
+  /// @param at sample of the motion under way; null: where the robot rests next
+  [[nodiscard]] bool arms_stray(const int* at) const;
   /// Whether soles slid farther on a way back than its margins allow.
   [[nodiscard]] bool slid_too_far() const;
   /// Whether the ground has edges where the robot is.
@@ -98,13 +115,17 @@ std::optional<Request> Requests::due() const {
     // A capture step, a foot that stays down, or nothing.
   } else if (on_the_way) {
     if (stops) due = stopping(at);
-    if (!stops && replaceable(at)) due = this->on_the_way(at);
+    if (!stops && replaceable(at)) due = with_arms(this->on_the_way(at));
+    if (!stops && !due && arms_replaceable(at)) due = arms_on_the_way(at);
   } else if (cools) {
     due = cooling();
   } else if (!now_.correction.settling && (!both_stand(course_.rest().contact) || (!stops && !command.neutral()))) {
-    due = from_rest(command);
+    due = with_arms(from_rest(command));
   }
-  if (!due || (!catches && !cools && refused_here(due->start.context.anchor))) return std::nullopt;
+  if (due && !catches && !cools && refused_here(due->start.context.anchor)) due.reset();
+  const bool rests = !on_the_way && !disturbed && !cools && !stops && !now_.correction.settling;
+  if (!due && rests && arms_due() && arms_stray(nullptr)) due = arms_from_rest();
+  if (!due) return std::nullopt;
   due->terrain = {inclined, now_.watch.uneven()};
   return due;
 }
@@ -122,10 +143,100 @@ Request Requests::from_rest(const Command& command) const {
                   command,
                   {course_.rest(), context_at_rest(), now_.history.newest()},
                   {},
+                  nullptr,
+                  nullptr,
                   {intent_of(command)}};
   request.start.context.drift_correction = drift_correction(now_.robot, request.start.context, command);
   request.start.posture.heat = now_.watch.thermometer().heat();
   return request;
+}
+
+Request Requests::with_arms(Request request) const {
+  if (request.command.recall != Recall::none) return request;
+  const double start = static_cast<double>(request.at) * profile_.tick.period;
+  request.arms = now_.arms.governed(request.start.posture, start);
+  if (request.arms && !request.arms->still()) request.intents.emplace_back(Follow{.arms = false});
+  return request;
+}
+
+Request Requests::arms_from_rest() const {
+  Request request = with_arms(from_rest(Command{.guide = now_.command.guide}));
+  request.command = now_.command;
+  request.start.context.drift_correction = {};
+  request.intents = {MoveArms{}};
+  return request;
+}
+
+Request Requests::arms_on_the_way(int at) const {
+  const bool swings = motion_->phases.size() > 1 && motion_->goal.swing;
+  const bool landed = swings && at >= motion_->last_phase();
+  Request request = with_arms(replacing(at));
+  Posture& start = request.start.posture;
+  start.flight = flight(at);
+  start.lift_off = lift_off(at);
+  GuideContext& context = request.start.context;
+  Goal goal = motion_->goal;
+  if (swings && !landed) {  // the same step again
+    const Pose anchor = context.anchor;
+    const Vec2 com_offset = context.com_offset;
+    context = course_.answer()->context;
+    context.anchor = anchor;
+    context.com_offset = com_offset;
+  } else {
+    goal.drift_correction = {};  // the slip-free frame has it already
+    if (landed && both_stand(goal.contact)) {
+      goal.swing.reset();
+      goal.kind = SegmentKind::shift;
+    }
+  }
+  request.goal = std::make_shared<const Goal>(std::move(goal));
+  request.intents = {MoveArms{}};
+  return request;
+}
+
+bool Requests::arms_due() const {
+  return now_.command.recall == Recall::none && now_.tick >= now_.exchange.arms_again && !now_.arms.empty();
+}
+
+bool Requests::arms_replaceable(int at) const {
+  if (!arms_due() || now_.gait == Gait::stop || now_.watch.thermometer().hot() || !course_.is<Moving>()) return false;
+  const double period = profile_.tick.period;
+  if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / period)) return false;
+  const bool swings = motion_->phases.size() > 1 && motion_->goal.swing;
+  const int lift_off = motion_->phases.front().ticks;
+  const int change = at < lift_off ? lift_off : motion_->last_phase();
+  if (swings && at < change && (change - at) * period < least_flight(profile_)) return false;
+  const ArmPath* path = motion_->goal.arm_path.get();
+  const bool known = path != nullptr && path->version == now_.arms.version();
+  const int brakes = path != nullptr ? motion_->ticks() - static_cast<int>(path->braking / period) : motion_->ticks();
+  // A step is seldom planned again: its arms follow all that was known when it began.
+  const bool ends = at + std::lround(kReplacing / period) >= brakes && (!swings || at >= motion_->last_phase());
+  return (!known || ends) && arms_stray(&at);
+}
+
+bool Requests::arms_stray(const int* at) const {
+  const Command& command = now_.command;
+  const double period = profile_.tick.period;
+  const bool guided = is_hand(command.guide) && !command.neutral();
+  const int first = at != nullptr ? *at + static_cast<int>(kArmsSoonest / period) : 0;
+  for (std::size_t j = 0; j < now_.robot.joints().size(); ++j) {
+    const int joint = static_cast<int>(j);
+    if (!now_.arms.drives(joint)) continue;
+    if (guided && std::ranges::find(now_.robot.arm(side_of(command.guide)), joint) !=
+                      now_.robot.arm(side_of(command.guide)).end())
+      continue;
+    for (int k = 0; k < kArmsLooks; ++k) {
+      const int index = first + static_cast<int>(std::lround(kArmsLook * k / period));
+      double planned = course_.rest().q[7 + joint];
+      long tick = now_.tick + index;
+      if (at != nullptr) {
+        tick -= course_.index();
+        if (index < motion_->ticks()) planned = motion_->samples[static_cast<std::size_t>(index)].q[7 + joint];
+      }
+      if (std::abs(now_.arms.at(joint, static_cast<double>(tick) * period) - planned) > kArmsOff) return true;
+    }
+  }
+  return false;
 }
 
 Request Requests::replacing(int at) const {
@@ -136,6 +247,8 @@ Request Requests::replacing(int at) const {
       now_.command,
       {passing(now_.robot, *sample), context_at_rest(), course_.is<Halting>() ? nullptr : now_.history.newest(), at},
       {},
+      nullptr,
+      nullptr,
       {Follow{}}};
   if (at > 0) request.start.posture.contact_before = std::prev(sample)->contact;
   request.start.posture.heat = now_.watch.thermometer().heat();

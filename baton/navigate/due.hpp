@@ -2,6 +2,7 @@
 #pragma once
 
 #include "baton/balance/stabiliser.hpp"
+#include "baton/guide/arm_trajectory.hpp"
 #include "baton/navigate/course.hpp"
 #include "baton/navigate/exchange.hpp"
 #include "baton/navigate/history.hpp"
@@ -22,6 +23,7 @@ struct Situation {
   const Exchange& exchange;
   const LastRefusal& refused;
   const Command& command;
+  const ArmTrajectory& arms;
   long tick;
 };
 

@@ -9,8 +9,9 @@
 namespace baton {
 namespace {
 
-constexpr double kPatience = 0.05;  ///< time from a refusal at rest to the next request, for any robot [s]
-constexpr int kMostLate = 5;        ///< doublings of the lookahead at rest, when answers come too late
+constexpr double kPatience = 0.05;      ///< time from a refusal at rest to the next request, for any robot [s]
+constexpr double kArmsPatience = 0.25;  ///< the same for the arms alone, also on the way, for any robot [s]
+constexpr int kMostLate = 5;            ///< doublings of the lookahead at rest, when answers come too late
 
 /// Whether an answer is taken over in spite of a push or a centred stick.
 bool urgent(const Answer& answer) {
@@ -25,7 +26,8 @@ Navigator::Navigator(const RobotModel& robot, const World& world, const Posture&
       gait_(gait),
       watch_(robot, world, source, start),
       course_(robot, start),
-      stabiliser_(robot) {
+      stabiliser_(robot),
+      arms_(robot) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
   soft_ = {zero, zero, zero, zero, {false, false}, zero};
 }
@@ -63,6 +65,12 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
   return target;
 }
 
+void Navigator::drive_arms(const ArmTargets& targets) {
+  const double now = static_cast<double>(tick_ + 1) * robot_->profile().tick.period;
+  arms_ = arms_.continued(targets, now, course_.sample().q.tail(robot_->nv() - 6));
+  exchange_.arms_again = 0;
+}
+
 void Navigator::poll() {
   retired_.clear();
   if (watch_.guard() == Guard::stood_up && command_.neutral() && watch_.supported()) begin_anew();
@@ -74,7 +82,8 @@ void Navigator::poll() {
 }
 
 Situation Navigator::situation() const {
-  return {*robot_, *world_, gait_, course_, history_, watch_, correction(), exchange_, refused_, command_, tick_};
+  return {*robot_,      *world_,   gait_,    course_,  history_, watch_,
+          correction(), exchange_, refused_, command_, arms_,    tick_};
 }
 
 std::optional<Request> Navigator::request() {
@@ -126,7 +135,9 @@ bool Navigator::valid(const Answer& answer) const {
   if (watch_.disturbed() && ordinary) return false;  // pushed meanwhile
   if (motion() == nullptr && correction().settling && ordinary) return false;
   // Let go of meanwhile: the motion under way ends at rest.
-  if (ordinary && (exchange_.countered || (motion() != nullptr && command_.neutral()))) return false;
+  const bool arms = std::holds_alternative<MoveArms>(answer.intent);
+  if (arms && command_.recall != Recall::none) return false;
+  if (ordinary && (exchange_.countered || (motion() != nullptr && command_.neutral() && !arms))) return false;
   const Motion* next = answer.motion();
   if (next == nullptr) return true;
   if (std::holds_alternative<Retrace>(answer.intent) && history_.empty()) return false;  // a slip has ended it
@@ -135,7 +146,8 @@ bool Navigator::valid(const Answer& answer) const {
 }
 
 void Navigator::commit(std::shared_ptr<const Answer> answer) {
-  exchange_.answered = answer->command;
+  const bool arms = std::holds_alternative<MoveArms>(answer->intent);
+  if (!arms || motion() == nullptr) exchange_.answered = answer->command;
   std::shared_ptr<const Trail> retraced;
   const auto* back = std::get_if<Retracing>(&course_.state());
   if (std::holds_alternative<Retrace>(answer->intent)) {
@@ -148,13 +160,19 @@ void Navigator::commit(std::shared_ptr<const Answer> answer) {
     history_.replace_newest(answer->trail, retired_);
   }
   course_.commit(std::move(answer), std::move(retraced), retired_);
-  drop_refusal();
+  if (!arms) drop_refusal();
   told_.executing = true;
   events_.add(Committed{course_.committed() - 1});
 }
 
 void Navigator::refuse(const std::shared_ptr<const Answer>& answer) {
   const Refusal* refusal = answer->refusal();
+  if (std::holds_alternative<MoveArms>(answer->intent)) {
+    retired_.keep(std::exchange(arms_refusal_, nullptr));
+    if (refusal != nullptr) arms_refusal_ = {answer, refusal};
+    exchange_.arms_again = tick_ + std::lround(kArmsPatience / robot_->profile().tick.period);
+    return;
+  }
   const bool at_rest = motion() == nullptr;
   if (at_rest && refusal == nullptr) return;
   if (refusal != nullptr && (at_rest || !answer->context.stick_held)) {

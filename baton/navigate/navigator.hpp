@@ -67,6 +67,12 @@ class Navigator {
   /// Hands in an answer. Its motion begins at exactly the tick of its take-over; a late answer is dropped.
   void answer(Answer answer);
 
+  /// Drives joints of the arms from outside, or lets go of them: from the next motion on, and on the way of the one
+  /// under way. Like `poll` it is called between ticks, as it needs memory. While an arm's hand is guided, and during
+  /// retraces, capture steps and stops, they do not count for it.
+  /// @throws InputError as `ArmTrajectory::continued`; nothing has changed then
+  void drive_arms(const ArmTargets& targets);
+
   /// Events of the latest tick in order, including those of the `poll` before it.
   [[nodiscard]] std::span<const Event> events() const { return events_.list(); }
 
@@ -113,6 +119,10 @@ class Navigator {
 
   /// The newest refusal, while the command that it answered still stands; else null.
   [[nodiscard]] const Refusal* refusal() const { return refused_.refusal.get(); }
+  /// What drives the arms.
+  [[nodiscard]] const ArmTrajectory& arms() const { return arms_; }
+  /// Why the arms cannot follow it, or only in part; null: they do.
+  [[nodiscard]] const Refusal* arms_refusal() const { return arms_refusal_.get(); }
   /// The command that the newest refusal answered.
   [[nodiscard]] const Command& refused() const { return refused_.command; }
   /// Requests whose answer was not there at the take-over.
@@ -148,6 +158,8 @@ class Navigator {
   Command command_;
   Exchange exchange_;
   LastRefusal refused_;
+  ArmTrajectory arms_;
+  std::shared_ptr<const Refusal> arms_refusal_;
   Retired retired_;
   Events events_;
   /// What events were told of last.

@@ -20,7 +20,9 @@ namespace baton {
 inline constexpr double kFlatSole = 0.1;
 
 /// The command's goal, or a part of it; also puts down a foot whose throttle was released.
-struct Follow {};
+struct Follow {
+  bool arms = true;  ///< arms follow what drives them from outside; else they come to rest
+};
 /// Retrace the trail.
 struct Retrace {};
 /// Return to the initial stance.
@@ -44,8 +46,11 @@ struct Catch {
 /// With hot motors: stand straighter, above the middle of the feet.
 struct Cool {};
 
+/// The arms follow what drives them from outside; all else stays where it rests, or goes where it was to go anyway.
+struct MoveArms {};
+
 /// What a motion is for.
-using Intent = std::variant<Follow, Retrace, Home, Stop, HaltAt, Catch, Cool>;
+using Intent = std::variant<Follow, Retrace, Home, Stop, HaltAt, Catch, Cool, MoveArms>;
 
 /// Rise of a winding's temperature from which the robot goes on no more before it has cooled down [permitted rise].
 inline constexpr double kHot = 0.8;
@@ -85,6 +90,8 @@ struct Request {
   Command command;  ///< of the operator
   Start start;
   Terrain terrain{};
+  std::shared_ptr<const ArmPath> arms{};  ///< for `Follow` and `MoveArms`; null: nothing drives the arms
+  std::shared_ptr<const Goal> goal{};     ///< for `MoveArms`: of the motion that is replaced; null: from rest
   std::vector<Intent> intents{};  ///< tried in order until one has a verified motion; none: what the command asks for
 };
 

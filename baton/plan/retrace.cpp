@@ -14,7 +14,9 @@ Trail::Piece piece_of(const Motion& motion) {
   points->reserve(motion.samples.size());
   for (const MotionSample& sample : motion.samples)
     points->push_back({sample.q, sample.com, sample.sole});
-  return {std::move(points), motion.phases, motion.goal, motion.ticks()};
+  Trail::Piece piece{std::move(points), motion.phases, motion.goal, motion.ticks()};
+  piece.goal.arm_path = nullptr;  // the points have what came of it
+  return piece;
 }
 
 }  // namespace

@@ -108,6 +108,10 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
       contact_ = {only(other(*goal.swing))};
       [[fallthrough]];
     case Swing::none:
+      if (goal.kind == SegmentKind::arms) {
+        const double longest = robot.profile().duration.max;
+        first_duration_ = std::clamp(goal.arm_path->duration, first_duration_, longest);
+      }
       for (int k = 0; k <= kShiftKnots; ++k)
         wish(static_cast<double>(k) / kShiftKnots, 2 * k < kShiftKnots ? start : end, 1.0);
       break;
@@ -269,6 +273,10 @@ IkTargets Segment::targets(const ComPath& path, const Timing& timing, double t) 
   const auto start = from_.q.tail(goal_.arms.size());
   targets.arms = start + s * (goal_.arms - start) + on.velocity * from_.dq.tail(start.size()) +
                  on.acceleration * from_.ddq.tail(start.size());
+  if (const ArmPath* driven = goal_.arm_path.get()) {
+    for (std::size_t k = 0; k < driven->joints.size(); ++k)
+      targets.arms[driven->joints[k]] = driven->at(static_cast<Eigen::Index>(k), t, T);
+  }
   return targets;
 }
 

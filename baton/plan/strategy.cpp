@@ -12,6 +12,8 @@ constexpr int kShrinkings = 3;            ///< bisections of the share of the ta
 constexpr std::size_t kAxesTried = 3;     ///< single axes tried when nothing along the direction is feasible
 constexpr double kLeastProgress = 0.05;   ///< least displacement of a shrunk motion, fraction of the part's reach
 constexpr double kEarliestLanding = 0.5;  ///< fraction of the remaining flight after which a foot may land, to stop
+constexpr double kLeastArms = 0.01;       ///< least motion of a joint for which arms move in part [rad]
+constexpr double kLongestArms = 10.0;     ///< time after which they have moved that far [s]
 constexpr double kStepAside = 0.1;        ///< DCM excess from which a step aside is also tried [COM height]
 
 /// Turns a planner's result into an answer to a request.
@@ -67,9 +69,16 @@ Answer Strategy::attempt(const Request& request, const Intent& intent) {
     if (answer.motion() != nullptr) answer.trail = std::make_shared<const Trail>(trail_to(*answer.trail, halt->rest));
   } else if (std::holds_alternative<Retrace>(intent)) {
     answer.outcome = go_back(request, answer.trail);
+  } else if (std::holds_alternative<MoveArms>(intent)) {
+    answer.outcome = move_arms(request);
+    if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
   } else if (std::holds_alternative<Cool>(intent)) {
     answer.outcome = cool(request);
     if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
+  } else if (const auto* alone = std::get_if<Follow>(&intent); alone != nullptr && !alone->arms) {
+    Request without = request;
+    without.arms = nullptr;
+    return attempt(without, Follow{});
   } else {
     answer.outcome = follow_or_stop(request, stops(answer.intent));
     if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
@@ -212,6 +221,42 @@ Strategy::Outcome Strategy::cool(const Request& request) {
   return *std::move(planned);
 }
 
+Strategy::Outcome Strategy::move_arms(const Request& request) {
+  Goal goal = request.goal ? *request.goal : guide_.staying(request.start.context, request.command.guide);
+  goal.arm_path = request.arms;
+  PlanResult whole = first_of(normal_, {goal}, request);
+  const auto* against = std::get_if<Refusal>(&whole);
+  if (against == nullptr || request.goal) return outcome_of(std::move(whole));
+  // Not all of it: both arms for a shorter time, or one of them.
+  const auto planned = [&](const BySide<double>& until) -> std::optional<PlannedMotion> {
+    auto path = std::make_shared<ArmPath>(*request.arms);
+    double most = 0.0;
+    path->duration = 0.0;
+    for (std::size_t k = 0; k < path->joints.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      const std::vector<int>& left = robot_->arm(Side::left);
+      const Side side = std::ranges::find(left, path->joints[k]) != left.end() ? Side::left : Side::right;
+      path->until[row] = std::min(path->until[row], until[side]);
+      path->duration = std::max(path->duration, std::min(path->until[row] + path->braking, request.arms->duration));
+      most = std::max(most, std::abs(path->at(row, kLongestArms, kLongestArms) - path->q(row, 0)));
+    }
+    if (most < kLeastArms) return std::nullopt;
+    goal.arm_path = std::move(path);
+    PlanResult part = first_of(normal_, {goal}, request);
+    auto* motion = std::get_if<PlannedMotion>(&part);
+    if (motion == nullptr) return std::nullopt;
+    motion->limit = *against;
+    return std::move(*motion);
+  };
+  const double sooner = against->t - request.arms->braking - 2.0 * request.arms->period;
+  const double far = std::numeric_limits<double>::infinity();
+  for (const BySide<double>& until : {BySide<double>{sooner, sooner}, {far, 0.0}, {0.0, far}}) {
+    if (std::max(until.left, until.right) <= 0.0) continue;
+    if (std::optional<PlannedMotion> part = planned(until)) return *std::move(part);
+  }
+  return *against;
+}
+
 Strategy::Outcome Strategy::halt(const Request& request, const TrailRest& rest) {
   const Start& start = request.start;
   return outcome_of(planner_.halt(start.posture, *start.trail, rest, start.context.anchor, normal_));
@@ -271,7 +316,8 @@ bool Strategy::worth(const Posture& from, const Motion& motion) const {
 
 PlanResult Strategy::first_of(const Limits& limits, const std::vector<Goal>& goals, const Request& request) {
   std::optional<Refusal> against;
-  for (const Goal& goal : goals) {
+  for (Goal goal : goals) {
+    if (!goal.arm_path) goal.arm_path = request.arms;
     PlanResult planned = planner_.plan(request.start.posture, goal, request.start.context.anchor, limits);
     if (auto* found = std::get_if<PlannedMotion>(&planned)) {
       std::optional<Refusal> against_it = no_stance(*found->motion, request);

@@ -34,6 +34,8 @@ class Strategy {
   [[nodiscard]] Outcome quickest(const Limits& limits, const std::vector<Goal>& goals, const Request& request);
   /// Stands straighter; nothing if no motion leads to a cooler rest.
   [[nodiscard]] Outcome cool(const Request& request);
+  /// The arms alone: as far as they are driven, or until they come too close to something; both, or one of them.
+  [[nodiscard]] Outcome move_arms(const Request& request);
   /// Stops at a planned rest on the trail.
   [[nodiscard]] Outcome halt(const Request& request, const TrailRest& rest);
   /// A motion that goes part of the way to a refused target, if one worth executing is found in a few tries.

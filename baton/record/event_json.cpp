@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 std::string_view intent_name(const Intent& intent) {
   constexpr std::array<std::string_view, std::variant_size_v<Intent>> names{"follow", "retrace", "home", "stop",
-                                                                            "halt",   "catch",   "cool"};
+                                                                            "halt",   "catch",   "cool", "arms"};
   return names[intent.index()];
 }
 
