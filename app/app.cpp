@@ -182,6 +182,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
           "", ""));
   add_token(command, o.token);
   command.add_option("--input", o.input, "auto, joystick, page or script:FILE")->capture_default_str();
+  command.add_option("--arms", o.arms, "What drives the arms meanwhile: script:FILE (format: docs/input.md)");
   add_modes(command, o.modes);
   add_physics(command, o.physics);
   add_answers(command, o.answers);
@@ -224,6 +225,8 @@ void add_soak(CLI::App& command, SoakOptions& o) {
       ->transform(whole(1, 1024));
   command.add_option("--episode", o.episode, "Simulated seconds per episode; default: 120, or the scenario's")
       ->transform(number(0.1, 36000.0));
+  command.add_flag("--arms", o.arms,
+                   "Drive the arms at random, by targets known a second ahead, whatever the stick does");
   command.add_flag("--link", o.link,
                    "Drive a robot's end in real time, by a virtual clock, over a connection with faults: --seeds of "
                    "them, 10 s each unless --episode says otherwise");

@@ -64,6 +64,7 @@ struct DriveOptions {
   std::string world = "room";
   std::string on = "sim";
   std::string input = "auto";
+  std::optional<std::string> arms;  ///< what drives them: script:FILE
   ModeOptions modes;
   PhysicsOptions physics;
   AnswerOptions answers;
@@ -162,6 +163,7 @@ struct SoakOptions {
   std::optional<long> seeds;      ///< number of seeds of a scenario
   std::optional<double> episode;  ///< simulated time per episode [s]
   bool resume = false;
+  bool arms = false;                            ///< drive the arms at random
   bool link = false;                            ///< of a robot's end over a connection with faults
   bool breaking = false;                        ///< look for the breaking points of scenarios
   std::optional<std::filesystem::path> plot;    ///< of breaking points

@@ -16,6 +16,7 @@
 #include "app/outputs.hpp"
 #include "app/remote_end.hpp"
 #include "app/view.hpp"
+#include "baton/input/arm_script.hpp"
 #include "baton/model/error.hpp"
 #include "baton/record/json.hpp"
 
@@ -39,6 +40,13 @@ void say_what_leads_out(const Stuck& stuck) {
                ways.empty() ? "" : fmt::format(", and {} leads out", fmt::join(ways, " or ")));
 }
 
+void log_arms(const Navigator& navigator, double t) {
+  if (find_event<ArmsRefused>(navigator.events()) == nullptr || navigator.arms_refusal() == nullptr) return;
+  const Refusal& why = *navigator.arms_refusal();
+  spdlog::info("{:.2f} s: the arms cannot follow their targets, or only in part: {} ({} {:.4g}, limit {:.4g})", t,
+               info(why.reason).text, place(why), why.value, why.limit);
+}
+
 /// Shows the fallen robot until all pages are closed or the program is interrupted.
 void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, const Refusals& refusals) {
   if (view.pages() == 0) return;
@@ -60,6 +68,14 @@ int drive(const DriveOptions& o) {
   Inputs inputs(o.input, o.fast);
   if (o.input == "page" && (o.headless || o.fast))
     throw InputError("--input page needs the page: leave out --headless and --fast");
+  std::optional<ArmScript> arms;
+  std::optional<std::filesystem::path> arms_file;
+  if (o.arms) {
+    constexpr std::string_view kScript = "script:";
+    if (!o.arms->starts_with(kScript)) throw InputError(fmt::format("--arms {}: must be script:FILE", *o.arms));
+    arms_file = o.arms->substr(kScript.size());
+    arms = ArmScript::load(*arms_file, robot);
+  }
   const double period = robot.profile().tick.period;
   if (o.token && !is_address(o.on))
     throw InputError(fmt::format("--token {} goes with --on tcp://HOST:PORT", o.token->string()));
@@ -87,6 +103,7 @@ int drive(const DriveOptions& o) {
   const auto engaging = [&] { return remote && remote->engaging(); };
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
+  read.push_back({"--arms", arms_file});
   read.push_back({"--calibration", o.calibration});
   read.push_back({"--token", o.token});
   check_distinct({{"--report", o.files.report},
@@ -147,9 +164,15 @@ int drive(const DriveOptions& o) {
       if (session.t() > 0.0) interval.add(1e6 * (now - began));
       began = now;
     }
+    while (arms && !stopping && !engaging()) {
+      const ArmTargets* targets = arms->next(session.t());
+      if (targets == nullptr) break;
+      remote ? remote->drive_arms(session, *targets) : session.drive_arms(*targets);
+    }
     if (!step(stopping ? Command{} : engaging() ? kHome : inputs.decide(session.view()))) break;
     if (view && view->damp_asked() && remote) remote->damp("by the page");
     refusals.look(session.navigator());
+    log_arms(session.navigator(), session.t());
     if (view) view->show(simulation, inputs.status(), refusals);
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());

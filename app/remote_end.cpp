@@ -62,7 +62,15 @@ void RemoteEnd::catch_up() {
 
 bool RemoteEnd::step(Session& session, const Command& command) {
   try {
-    session.step(welcome().navigates ? remote_->guide(command) : command);
+    if (welcome().navigates) {
+      const Command followed = remote_->guide(command);
+      for (const ArmTargets& targets : remote_->accepted_arms())
+        session.drive_arms(targets);
+      if (remote_->tick().stale && !stale_) session.drive_arms(released_arms(*model_));  // as the robot does
+      session.step(followed);
+    } else {
+      session.step(command);
+    }
     if (engaging_) look_engaged(session);
     warn();
     if (remote_->damped()) {
@@ -74,6 +82,15 @@ bool RemoteEnd::step(Session& session, const Command& command) {
     broken_ = error.what();
   }
   return broken_.empty();
+}
+
+void RemoteEnd::drive_arms(Session& session, const ArmTargets& targets) {
+  if (!welcome().navigates) return session.drive_arms(targets);
+  try {
+    remote_->drive_arms(targets);
+  } catch (const LinkError& error) {
+    broken_ = error.what();
+  }
 }
 
 void RemoteEnd::damp(const std::string& because) {

@@ -37,6 +37,8 @@ class RemoteEnd {
   /// One tick of the session.
   /// @returns whether the robot still follows
   [[nodiscard]] bool step(Session& session, const Command& command);
+  /// Drives the arms of the robot, and of the session.
+  void drive_arms(Session& session, const ArmTargets& targets);
   /// Lets the robot's motors only brake; the next step finds that it follows no longer.
   void damp(const std::string& because);
   /// Why it follows no longer; "": it does.

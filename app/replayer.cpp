@@ -79,6 +79,8 @@ bool Replayer::step() {
   gap_ = next->number - (navigator_->now() + 1);
   if (gap_ != 0) return false;
   tick_ = std::move(next);
+  for (const ArmTargets& targets : tick_->arms)
+    named_in(recording_.place(), [&] { navigator_->drive_arms(targets); });
   target_ = &navigator_->tick(tick_->measurement, tick_->command);
   if (verify_) compare();
   navigator_->poll();

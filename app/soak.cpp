@@ -40,6 +40,7 @@ class SoakReport {
                {"plant", plant_name(o.physics, o.on)},
                {"calibration", o.calibration ? Json(o.calibration->string()) : Json()},
                {"drive", std::string(to_string(robot.profile().drive))},
+               {"arms_driven", o.arms},
                {"answer_delay_ms", o.answers.delay_ms},
                {"answer_loss", o.answers.loss},
                {"episode_s", o.episode.value_or(Trial{}.seconds)}}),
@@ -160,6 +161,7 @@ int soak(const SoakOptions& o) {
   trial.seed = static_cast<std::uint64_t>(o.seed);
   trial.seconds = o.episode.value_or(trial.seconds);
   trial.answers = faults_of(o.answers);
+  trial.arms = o.arms;
   trial.real = is_real(o.physics, o.on);
   trial.calibration = calibration_in(o.calibration, robot, o.on);
   const Episodes episodes(robot, world, trial);
@@ -200,6 +202,10 @@ int soak(const SoakOptions& o) {
   report.write(progress.seconds(), o.jobs);
   if (tally.failures >= kEnough) fmt::print("enough failures\n");
   if (interrupted) fmt::print("interrupted; continue with --resume\n");
+  if (o.arms && tally.arms.driven > 0)
+    fmt::print(
+        "arms that the stick does not guide: all joints within 0.05 rad of their targets for {:.1f} % of the time\n",
+        100.0 * static_cast<double>(tally.arms.on_target) / static_cast<double>(tally.arms.driven));
   const Tally::Retrace& back = tally.retrace;
   fmt::print(
       "{} violations in {} segments: failure rate below {:.2g} with 95 % confidence; "

@@ -39,12 +39,23 @@ int arm_joint(const RobotModel& robot, const std::string& name) {
 
 }  // namespace
 
+ArmTargets released_arms(const RobotModel& robot) {
+  ArmTargets targets;
+  for (const Side side : kSides) {
+    for (const int j : robot.arm(side))
+      targets.joints.push_back(robot.joints()[static_cast<std::size_t>(j)].name);
+  }
+  return targets;
+}
+
 ArmTrajectory::ArmTrajectory(const RobotModel& robot) : robot_(&robot), points_(robot.joints().size()) {}
 
 ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, const VecX& q) const {
   const std::vector<double>& t = targets.t;
   const auto columns = static_cast<Eigen::Index>(targets.joints.size());
-  if (t.size() > kMostTimes) throw InputError(fmt::format("{} times: must be at most {}", t.size(), kMostTimes));
+  if (t.size() * targets.joints.size() > kMostNumbers)
+    throw InputError(fmt::format("{} times of {} joints: must be at most {} numbers at once", t.size(),
+                                 targets.joints.size(), kMostNumbers));
   if (targets.q.rows() != static_cast<Eigen::Index>(t.size()) || (!t.empty() && targets.q.cols() != columns)) {
     throw InputError(
         fmt::format("the targets are {} × {} numbers: must be {} × {}, a row for each time and a column "

@@ -21,10 +21,13 @@ struct ArmTargets {
   MatX q;                 ///< times × joints [rad]
 };
 
+/// Lets go of all joints of both arms.
+[[nodiscard]] ArmTargets released_arms(const RobotModel& robot);
+
 class ArmTrajectory {
  public:
-  /// Longest chunk.
-  static constexpr std::size_t kMostTimes = 100'000;
+  /// Largest chunk, in times × joints.
+  static constexpr std::size_t kMostNumbers = 20'000;
 
   /// No joint has a target. The robot must outlive the object.
   explicit ArmTrajectory(const RobotModel& robot);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "baton/input/arm_script.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 
@@ -185,7 +186,7 @@ std::optional<Message> Stream::next() {
   const auto type = static_cast<std::uint8_t>(bytes_[sizeof length]);
   if (length > kLongest)
     throw Malformed(fmt::format("a message of {} bytes: must be at most {}; is this a baton link?", length, kLongest));
-  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::tick))
+  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::arms))
     throw Malformed(fmt::format("a message of unknown type {}; is this a baton link?", type));
   if (bytes_.size() < kHead + length) return std::nullopt;
   Message message{static_cast<Type>(type), bytes_.substr(kHead, length)};
@@ -224,6 +225,10 @@ std::string encode(const Start& start) {
 
 std::string encode(const Refusal& refusal) {
   return dumped({{"reason", refusal.reason}, {"text", shortened(refusal.text, kLongestText)}});
+}
+
+std::string encode(const ArmTargets& targets) {
+  return dumped(to_json(targets));
 }
 
 std::string encode_text(const std::string& text) {
@@ -334,6 +339,10 @@ Refusal decode_refusal(const std::string& body) {
   return from_json("refusal", body, [](const JsonReader& reader) {
     return Refusal{text_in(reader.at("reason")), text_in(reader.at("text"))};
   });
+}
+
+ArmTargets decode_arms(const std::string& body) {
+  return from_json("arms", body, [](const JsonReader& reader) { return arm_targets_in(reader); });
 }
 
 std::string decode_text(const std::string& body) {

@@ -38,6 +38,7 @@ enum class Type : std::uint8_t {
   bye,
   command,
   tick,
+  arms,
 };
 
 struct Message {
@@ -146,6 +147,8 @@ struct Tick {
 [[nodiscard]] std::string encode(const Truth& truth);
 [[nodiscard]] std::string encode(const StickPosition& stick);
 [[nodiscard]] std::string encode(const Tick& tick);
+/// What drives the arms of a robot that navigates by itself.
+[[nodiscard]] std::string encode(const ArmTargets& targets);
 /// Why the robot was damped, or a target rejected.
 [[nodiscard]] std::string encode_text(const std::string& text);
 
@@ -160,6 +163,7 @@ struct Tick {
 [[nodiscard]] Truth decode_truth(const std::string& body, Eigen::Index joints);
 [[nodiscard]] StickPosition decode_stick(const std::string& body);
 [[nodiscard]] Tick decode_tick(const std::string& body, Eigen::Index joints);
+[[nodiscard]] ArmTargets decode_arms(const std::string& body);
 [[nodiscard]] std::string decode_text(const std::string& body);
 
 }  // namespace baton::link

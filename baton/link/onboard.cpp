@@ -17,12 +17,19 @@ Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Para
 const Tick& Onboard::step() {
   const std::uint64_t newest = ticks_;
   const double age = stick_ ? static_cast<double>(newest - stick_->seen) * model_->profile().tick.period : 0.0;
+  const bool was_stale = tick_.stale;
   tick_.stale = stick_ && !parameters_.lock_step && age > kFresh;
   tick_.command = stick_ && !tick_.stale ? stick_->command : Command{};
+  if (tick_.stale && !was_stale) session_.drive_arms(released_arms(*model_));
   tick_.planning.clear();
   session_.step(tick_.command);
   tick_.reading.sequence = ticks_++;
   return tick_;
+}
+
+void Onboard::driver_gone() {
+  stick_.reset();
+  session_.drive_arms(released_arms(*model_));
 }
 
 bool Onboard::rests() const {

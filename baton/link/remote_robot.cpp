@@ -120,6 +120,14 @@ Command RemoteRobot::guide(const Command& command) {
   return tick_.command;
 }
 
+void RemoteRobot::drive_arms(const ArmTargets& targets) {
+  try {
+    socket_.send(framed(Type::arms, encode(targets)), kSending);
+  } catch (const LinkError& error) {
+    throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
+  }
+}
+
 void RemoteRobot::write(const JointTarget& target) {
   if (welcome_.navigates) {
     if (!same_bits(commanded(target), tick_.target))
@@ -180,6 +188,9 @@ bool RemoteRobot::take(const Message& message) {
       return false;
     case Type::damp:
       damped_because_ = decode_text(message.body);
+      return false;
+    case Type::arms:
+      arms_.push_back(decode_arms(message.body));
       return false;
     case Type::bye:
       throw LinkError("the robot has ended the connection");

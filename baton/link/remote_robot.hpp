@@ -9,6 +9,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "baton/link/message.hpp"
 #include "baton/model/robot_model.hpp"
@@ -48,6 +50,11 @@ class RemoteRobot : public Robot {
   /// @returns the command that it followed: in real time an earlier one, or none if that was too old
   /// @throws LinkError the robot is gone, silent, damped, or breaks the protocol
   [[nodiscard]] Command guide(const Command& command);
+  /// Sends targets for the arms to a robot that navigates by itself.
+  /// @throws LinkError it is gone
+  void drive_arms(const ArmTargets& targets);
+  /// Those that count from the newest tick on, in order, once.
+  [[nodiscard]] std::vector<ArmTargets> accepted_arms() { return std::exchange(arms_, {}); }
   /// Null if the robot does not send it.
   [[nodiscard]] const Truth* truth() const override { return truth_ ? &*truth_ : nullptr; }
 
@@ -94,6 +101,7 @@ class RemoteRobot : public Robot {
   Reading reading_;
   std::uint64_t expected_ = 0;  ///< sequence of the next measurement or tick
   Tick tick_;
+  std::vector<ArmTargets> arms_;  ///< accepted by the robot, not taken yet
   long stale_ = 0;
   std::optional<Truth> after_;  ///< truth after the newest tick
   bool begun_ = false;          ///< the first measurement has come

@@ -162,6 +162,10 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
       if (onboard_) return guide(peer, message);
       follow(peer, message);
       return true;
+    case Type::arms:
+      if (!peer.started || !onboard_) return refuse(peer, "protocol", "targets for the arms: must be a joint target");
+      drive_arms(peer, message);
+      return true;
     case Type::damp:
       // Only with a text: a bit that was turned over makes a command's type that of a damp message.
       damp("asked for by the driver: " + decode_text(message.body));
@@ -267,6 +271,17 @@ bool RobotServer::guide(Peer& peer, const Message& message) {
   move();
   report();
   return true;
+}
+
+void RobotServer::drive_arms(Peer& peer, const Message& message) {
+  const ArmTargets targets = decode_arms(message.body);
+  try {
+    onboard_->drive_arms(targets);
+  } catch (const InputError& error) {
+    peer.socket.send(framed(Type::rejected, encode_text(error.what())), kAtOnce);
+    return;
+  }
+  peer.socket.send(framed(Type::arms, message.body), kAtOnce);  // so that it knows from which tick on they count
 }
 
 void RobotServer::follow(Peer& peer, const Message& message) {

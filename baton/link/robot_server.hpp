@@ -93,6 +93,7 @@ class RobotServer {
   void follow(Peer& peer, const Message& message);
   /// @returns whether the peer stays connected
   [[nodiscard]] bool guide(Peer& peer, const Message& message);
+  void drive_arms(Peer& peer, const Message& message);
   /// @returns why the target is not followed
   [[nodiscard]] std::optional<std::string> judge(const Target& target);
   /// Moves the robot by a tick and measures.

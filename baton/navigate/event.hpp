@@ -20,6 +20,8 @@ struct Ended {};
 struct Refused {
   bool again = false;  ///< a refusal stood already
 };
+/// The arms cannot follow what drives them, or only in part: `Navigator::arms_refusal()`.
+struct ArmsRefused {};
 /// An answer was not there at the take-over.
 struct AnswerLate {};
 /// Soles slid too far from where they were planned for the way back to be kept.
@@ -47,7 +49,7 @@ struct HeatChanged {
 };
 
 using Event = std::variant<Committed, Ended, Refused, AnswerLate, Slipped, DisturbedChanged, GuardChanged,
-                           SensorChanged, HeatChanged>;
+                           SensorChanged, HeatChanged, ArmsRefused>;
 
 /// The event of a kind; null if there is none among these.
 template <typename Kind>

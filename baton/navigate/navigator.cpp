@@ -159,17 +159,28 @@ void Navigator::commit(std::shared_ptr<const Answer> answer) {
   } else {
     history_.replace_newest(answer->trail, retired_);
   }
+  if (arms || answer->motion()->goal.arm_path) {
+    const std::optional<Refusal>& limit = answer->planned()->limit;
+    note_arms(answer, arms && limit ? &*limit : nullptr);
+  }
   course_.commit(std::move(answer), std::move(retraced), retired_);
   if (!arms) drop_refusal();
   told_.executing = true;
   events_.add(Committed{course_.committed() - 1});
 }
 
+void Navigator::note_arms(const std::shared_ptr<const Answer>& answer, const Refusal* why) {
+  const bool before = arms_refusal_ != nullptr;
+  retired_.keep(std::exchange(arms_refusal_, nullptr));
+  if (why == nullptr) return;
+  arms_refusal_ = {answer, why};
+  if (!before) events_.add(ArmsRefused{});
+}
+
 void Navigator::refuse(const std::shared_ptr<const Answer>& answer) {
   const Refusal* refusal = answer->refusal();
   if (std::holds_alternative<MoveArms>(answer->intent)) {
-    retired_.keep(std::exchange(arms_refusal_, nullptr));
-    if (refusal != nullptr) arms_refusal_ = {answer, refusal};
+    note_arms(answer, refusal);
     exchange_.arms_again = tick_ + std::lround(kArmsPatience / robot_->profile().tick.period);
     return;
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "baton/input/script.hpp"
+#include "baton/proving/arm_policy.hpp"
 #include "baton/proving/judges.hpp"
 #include "baton/proving/stick.hpp"
 #include "baton/record/report.hpp"
@@ -14,6 +15,7 @@ namespace {
 constexpr double kRestTimeout = 20.0;    ///< [s] a robot must come to rest within this after release
 constexpr double kBeginTimeout = 120.0;  ///< [s] a robot must begin to retrace, or refuse to: hot, it cools first
 constexpr double kRestTime = 0.25;       ///< [s] without a motion: no planning under way either
+constexpr std::uint64_t kArms = 7;       ///< random stream of what drives the arms
 constexpr long kMostRetraced = 5;        ///< most motions retraced at the end
 
 /// In physics soles sink and the planning frame follows their estimated positions, so penetration is judged within the
@@ -54,6 +56,9 @@ class Run {
     session_.add(way_back_);
     session_.add(tick_judge_);
     session_.add(stuck_judge_);
+    if (!trial.arms) return;
+    arms_.emplace(robot, mixed_seed(seed_of(trial, index), kArms));
+    session_.add(*arms_);
   }
 
   void drive(Device& stick, long ticks, bool back, const std::atomic<bool>& stop) {
@@ -62,9 +67,11 @@ class Run {
       const bool deflected = Stick::deflected(command);
       tally_.deflected += deflected ? 1 : 0;
       note_letting_go(deflected);
+      drive_arms();
       step(command);
       stuck_judge_.look();
     }
+    if (arms_) session_.drive_arms(released_arms(session_.model()));
     if (!come_to_rest(stop)) return;
     if (back && !session_.fallen() && !stop) {
       stuck_judge_.test();
@@ -86,11 +93,18 @@ class Run {
     summary["segments"]["refused"].get_to(tally_.refused);
     summary["commands"]["given"].get_to(tally_.given);
     summary["commands"]["moved"].get_to(tally_.moved);
+    if (arms_) tally_.arms = {arms_->ticks(), arms_->on_target()};
     tally_.travel = summary["travel_m"].get<double>();
     return {tally_, summary, ticks_, tick_judge_.last(), back_};
   }
 
  private:
+  void drive_arms() {
+    if (!arms_) return;
+    while (const ArmTargets* targets = arms_->next(session_.t()))
+      session_.drive_arms(*targets);
+  }
+
   void step(const Command& command) {
     const bool back = way_back_.begun();
     if (back && !(command == last_command_)) back_ += script_line(session_.t(), command) + '\n';
@@ -156,6 +170,7 @@ class Run {
   WayBack way_back_;
   TickJudge tick_judge_;
   StuckJudge stuck_judge_;
+  std::optional<ArmPolicy> arms_;
   long ticks_ = 0;
   Command last_command_;
   bool was_deflected_ = false;

@@ -23,6 +23,7 @@ struct Trial {
   bool real = false;                   ///< in physics: the plant is `real`, drawn per episode; only falls count then
   const Scenario* scenario = nullptr;  ///< in physics, on top of the plant; no retracing then, and only falls count
   double times = 1.0;                  ///< how many times as large the scenario is
+  bool arms = false;                   ///< arms are driven by an `ArmPolicy`
   AnswerFaults answers{};              ///< fault injection, seeded per episode
   std::optional<Calibration> calibration{};  ///< what is known of the robot's sensors, the same in all episodes
 };

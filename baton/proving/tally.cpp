@@ -67,6 +67,8 @@ void Tally::add(const Tally& other) {
   moved += other.moved;
   travel += other.travel;
   failures += other.failures;
+  arms.driven += other.arms.driven;
+  arms.on_target += other.arms.on_target;
   retrace.tried += other.retrace.tried;
   retrace.arrived += other.retrace.arrived;
   retrace.refused += other.retrace.refused;
@@ -100,6 +102,7 @@ nlohmann::json Tally::json() const {
           {"refused", nlohmann::json(refused)},
           {"commands", {{"given", given}, {"moved", moved}}},
           {"travel_m", travel},
+          {"arms", {{"driven_ticks", arms.driven}, {"on_target_ticks", arms.on_target}}},
           {"retrace",
            {{"tried", retrace.tried},
             {"arrived", retrace.arrived},
@@ -123,6 +126,7 @@ Tally Tally::from_json(const JsonReader& read) {
   tally.given = count(read.at("commands").at("given"));
   tally.moved = count(read.at("commands").at("moved"));
   tally.travel = read.at("travel_m").number();
+  tally.arms = {count(read.at("arms").at("driven_ticks")), count(read.at("arms").at("on_target_ticks"))};
   const JsonReader back = read.at("retrace");
   tally.retrace = {count(back.at("tried")), count(back.at("arrived")), count(back.at("refused")),
                    back.at("worst_m").number(), back.at("worst_rad").number()};

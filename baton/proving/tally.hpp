@@ -36,6 +36,12 @@ struct Tally {
     double worst_rad = 0.0;  ///< largest rotation error of the trunk there
   };
 
+  /// Arms that are driven from outside, and not by the stick, in ticks of each arm.
+  struct Arms {
+    long driven = 0;
+    long on_target = 0;  ///< with all joints within 0.05 rad of their targets
+  };
+
   long episodes = 0;
   long ticks = 0;
   long deflected = 0;  ///< ticks with the stick deflected
@@ -47,6 +53,7 @@ struct Tally {
   long moved = 0;
   double travel = 0.0;  ///< [m]
   Retrace retrace;
+  Arms arms;
   std::map<std::string, long> bad;  ///< failures by kind; each kind at most once per segment
   long failures = 0;                ///< segments with at least one failure
   std::vector<Failure> listed;      ///< first failures

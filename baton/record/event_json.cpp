@@ -57,6 +57,11 @@ struct EventMessage {
   Json operator()(const SensorChanged& e) const {
     return {{"event", "sensor"}, {"sensor", to_string(e.sensor)}, {"health", to_string(e.health)}};
   }
+  Json operator()(const ArmsRefused& /*e*/) const {
+    Json json = {{"event", "arms_refused"}};
+    if (navigator.arms_refusal() != nullptr) json.update(to_json(*navigator.arms_refusal()));
+    return json;
+  }
   Json operator()(const HeatChanged& e) const { return {{"event", "heat"}, {"hot", e.hot}}; }
 };
 

@@ -63,6 +63,7 @@ class RecordingWriter : public Sink {
   void on_tick(const TickRecord& record) override;
   void on_plan(const PlanRecord& record) override;
   void on_planning(PlanningEvent event) override;
+  void on_arms(const ArmTargets& targets) override;
 
   /// Writes all that is left, and finishes the file.
   /// @returns why the recording is not complete; "": it is
@@ -99,6 +100,7 @@ class RecordingWriter : public Sink {
   ros::Transform root_;
   std::optional<Command> command_;  ///< the last one that was recorded
   std::optional<nlohmann::json> offer_;
+  std::vector<nlohmann::json> arms_;  ///< for the next tick
   bool fallen_ = false;
   bool perfect_ = false;  ///< the state is taken from the measured root
 };
@@ -108,6 +110,7 @@ struct RecordedTick {
   long number = 0;  ///< from 0
   Measurement measurement;
   Command command;
+  std::vector<ArmTargets> arms;        ///< before the tick, in order
   std::vector<PlanningEvent> calls;    ///< after the tick, in order
   std::vector<nlohmann::json> events;  ///< of the navigator, as `event_messages` gives them
   VecX target;                         ///< joint angles commanded by the navigator (`recorded_angle`) [rad]

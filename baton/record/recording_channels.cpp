@@ -35,10 +35,15 @@ constexpr std::string_view json_schema(Topic topic) {
 "attitude": {"type": "array", "description": "matrix by columns"},
 "velocity": {"type": "array", "description": "in the world [m/s]"},
 "rate": {"type": "array", "description": "in the root's frame [rad/s]"}}})";
+    case Topic::arms:
+      return R"({"title": "baton.ArmTargets", "type": "object", "required": ["joints"], "properties": {
+"joints": {"type": "array", "items": {"type": "string"}},
+"at": {"type": "array", "items": {"type": "number"}, "description": "times [s]; left out: the joints are let go of"},
+"q": {"type": "array", "items": {"type": "array"}, "description": "for each time, an angle of each joint [rad]"}}})";
     case Topic::events:
       return R"({"title": "baton.Event", "type": "object", "required": ["event"], "properties": {
 "event": {"type": "string", "enum": ["committed", "ended", "refused", "answer_late", "slipped", "disturbed", "guard",
-"sensor", "heat"]},
+"sensor", "heat", "arms_refused"]},
 "segment": {"type": "integer"}, "again": {"type": "boolean"}, "distance": {"type": "number", "description": "[m]"},
 "disturbed": {"type": "boolean"}, "hot": {"type": "boolean"}, "from": {"type": "string"}, "to": {"type": "string"},
 "sensor": {"type": "string"}, "health": {"type": "string", "enum": ["good", "bridged", "lost"]},

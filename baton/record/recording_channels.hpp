@@ -24,6 +24,7 @@ enum class Topic : std::uint8_t {
   command,
   planner,
   root,
+  arms,
   events,
   segments,
   estimates,
@@ -39,7 +40,7 @@ struct TopicInfo {
   bool ros = false;  ///< a message of ROS 2, in CDR; else one of ours, in JSON
 };
 
-inline constexpr std::array<TopicInfo, 16> kTopics{{
+inline constexpr std::array<TopicInfo, 17> kTopics{{
     {"/joint_states", "sensor_msgs/msg/JointState", true},
     {"/imu", "sensor_msgs/msg/Imu", true},
     {"/sole/left", "geometry_msgs/msg/WrenchStamped", true},
@@ -49,6 +50,7 @@ inline constexpr std::array<TopicInfo, 16> kTopics{{
     {"/baton/command", "baton.Command"},
     {"/baton/planner", "baton.Planner"},
     {"/baton/root", "baton.Root"},
+    {"/baton/arms", "baton.ArmTargets"},
     {"/baton/events", "baton.Event"},
     {"/baton/segments", "baton.Segment"},
     {"/baton/estimates", "baton.Estimates"},

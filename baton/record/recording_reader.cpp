@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "baton/input/arm_script.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 #include "baton/record/recording.hpp"
@@ -166,6 +167,7 @@ void RecordingReader::take(RecordedTick& tick, Topic topic, std::string_view mes
   const JsonReader read(json, place);
   if (topic == Topic::tick) take_tick(tick, json, place);
   if (topic == Topic::command) command_ = command_in(read);
+  if (topic == Topic::arms) tick.arms.push_back(arm_targets_in(read));
   if (topic == Topic::root) tick.measurement.root = root_in(read);
   if (topic == Topic::events) tick.events.push_back(json);
   if (topic == Topic::planner) {

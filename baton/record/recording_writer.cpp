@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "baton/input/arm_script.hpp"
 #include "baton/record/event_json.hpp"
 #include "baton/record/json.hpp"
 #include "baton/record/recording.hpp"
@@ -162,6 +163,8 @@ void RecordingWriter::on_tick(const TickRecord& record) {
   add_measurement(record.measurement);
   add_tick(record);
   add_command(record.navigator.command());
+  for (const nlohmann::json& targets : std::exchange(arms_, {}))
+    add(Topic::arms, targets);
   add_events(record);
   add_pushes(record.t);
   if (record.navigator.now() % each_ == 0) add_estimates(record);
@@ -291,6 +294,10 @@ void RecordingWriter::add_estimates(const TickRecord& record) {
 
 void RecordingWriter::on_plan(const PlanRecord& record) {
   if (chunk_ != nullptr && !thread_.failed()) offer_ = offer_message(record);
+}
+
+void RecordingWriter::on_arms(const ArmTargets& targets) {
+  if (!thread_.failed()) arms_.push_back(to_json(targets));
 }
 
 void RecordingWriter::on_planning(PlanningEvent event) {

@@ -72,6 +72,12 @@ void Session::step(const Command& command) {
   plan();
 }
 
+void Session::drive_arms(const ArmTargets& targets) {
+  navigator_->drive_arms(targets);
+  for (Sink* sink : sinks_)
+    sink->on_arms(targets);
+}
+
 void Session::plan() {
   navigator_->poll();
   hand_in();

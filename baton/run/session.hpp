@@ -37,6 +37,10 @@ class Session {
   void step(const Command& command);
   void step(Operator& who) { step(who.decide(view())); }
 
+  /// Drives joints of the arms from outside, or lets go of them, from the next tick on (`Navigator::drive_arms`).
+  /// @throws InputError the targets are none of this robot; nothing has changed then
+  void drive_arms(const ArmTargets& targets);
+
   /// Back to the start: from here on the same commands give the same run, bit by bit, as in a new session. Sinks are
   /// removed, as what they hold belongs to the run before: add those of the new run.
   /// @throws std::logic_error the robot cannot be reset; the session is unchanged then

@@ -36,6 +36,8 @@ class Sink {
   virtual void on_tick(const TickRecord& /*record*/) {}
   virtual void on_plan(const PlanRecord& /*record*/) {}
   virtual void on_planning(PlanningEvent /*event*/) {}
+  /// Targets that drive the arms from the next tick on.
+  virtual void on_arms(const ArmTargets& /*targets*/) {}
 };
 
 /// A sink made of functions; empty functions are skipped.

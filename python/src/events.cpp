@@ -32,6 +32,7 @@ struct Convert {
   PythonEvent operator()(const DisturbedChanged& e) const { return DisturbedChangedEvent{t, e.disturbed}; }
   PythonEvent operator()(const GuardChanged& e) const { return GuardChangedEvent{t, e.from, e.to}; }
   PythonEvent operator()(const SensorChanged& e) const { return SensorChangedEvent{t, e.sensor, e.health}; }
+  PythonEvent operator()(const ArmsRefused&) const { return ArmsRefusedEvent{t, *navigator.arms_refusal()}; }
   PythonEvent operator()(const HeatChanged& e) const { return HeatChangedEvent{t, e.hot}; }
 };
 
@@ -138,6 +139,10 @@ void bind_events(nb::module_& m) {
       .def("__repr__", [](const HeatChangedEvent& e) {
         return fmt::format("HeatChanged(t={:.3f}, hot={})", e.t, e.hot ? "True" : "False");
       });
+  bind<ArmsRefusedEvent>(m, "ArmsRefused", "The arms cannot follow what drives them, or only in part.")
+      .def_ro("refusal", &ArmsRefusedEvent::refusal)
+      .def("__repr__",
+           [](const ArmsRefusedEvent& e) { return fmt::format("ArmsRefused(t={:.3f}, {})", e.t, text_of(e.refusal)); });
 }
 
 }  // namespace baton::python

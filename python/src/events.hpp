@@ -49,8 +49,14 @@ struct HeatChangedEvent {
   bool hot = false;
 };
 
-using PythonEvent = std::variant<CommittedEvent, EndedEvent, RefusedEvent, AnswerLateEvent, SlippedEvent,
-                                 DisturbedChangedEvent, GuardChangedEvent, SensorChangedEvent, HeatChangedEvent>;
+struct ArmsRefusedEvent {
+  double t = 0.0;
+  Refusal refusal;
+};
+
+using PythonEvent =
+    std::variant<CommittedEvent, EndedEvent, RefusedEvent, AnswerLateEvent, SlippedEvent, DisturbedChangedEvent,
+                 GuardChangedEvent, SensorChangedEvent, HeatChangedEvent, ArmsRefusedEvent>;
 
 /// @param navigator just after the tick of the event
 [[nodiscard]] PythonEvent event_of(const Event& event, double t, const Navigator& navigator);

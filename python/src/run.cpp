@@ -233,6 +233,18 @@ class Run : public Sink {
     }
     command_ = next;
   }
+  void drive_arms(const std::vector<std::string>& joints, const nb::object& t, const nb::object& q) {
+    const Use use(*this);
+    ArmTargets targets{joints, {}, numbers<MatX>("q", q)};
+    const auto times = numbers<VecX>("t", t);
+    targets.t.assign(times.begin(), times.end());
+    if (targets.t.empty()) throw InputError("t has no times; release_arms() lets go of the arms");
+    session_->drive_arms(targets);
+  }
+  void release_arms() {
+    const Use use(*this);
+    session_->drive_arms(released_arms(*robot_.model));
+  }
   void recall(Recall recall) {
     check_thread();
     command_.recall = recall;
@@ -433,6 +445,20 @@ void bind_run(nb::module_& m) {
            "Hold the stick: the guided part, the axes as in Command (None: centred), and the lever of a guided foot, "
            "which else stays where it was. A foot that is not guided any more is put down, and lifted again when it is "
            "guided with its lever up.")
+      .def(
+          "drive_arms", &Run::drive_arms, nb::arg("joints"), nb::arg("t"), nb::arg("q"),
+          nb::sig("def drive_arms(self, joints: collections.abc.Sequence[str], t: numpy.typing.ArrayLike, q: "
+                  "numpy.typing.ArrayLike) -> None"),
+          "Drive joints of the arms, whatever the stick does meanwhile, from the next motion on.\n"
+          "joints: names of joints of the arms (n).\n"
+          "t: times at which they are to be there, in the time of the run, increasing (k) [s]. What is known a second\n"
+          "  ahead is followed without delay; what is to be now, as soon as it can be.\n"
+          "q: their angles (k, n) [rad]. They replace what was given for these joints from t[0] on. After the last "
+          "time\n"
+          "  the joints stay where they are then.\n"
+          "Speed and acceleration are limited, and what comes too close to something is done in part: `ArmsRefused`.\n"
+          "Raises InputError.")
+      .def("release_arms", &Run::release_arms, "Let go of the arms: they come to rest.")
       .def("release", &Run::release, "Let go of the stick; levers stay.")
       .def(
           "retrace", [](Run& run) { run.recall(Recall::retrace); }, "Go back the way it came, until told otherwise.")

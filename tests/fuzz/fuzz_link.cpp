@@ -34,6 +34,8 @@ std::string again(const Message& message) {
       return encode(decode_stick(message.body));
     case Type::tick:
       return encode(decode_tick(message.body, kJoints));
+    case Type::arms:
+      return encode(decode_arms(message.body));
     case Type::bye:
       return message.body;
   }

@@ -1,0 +1,74 @@
+#include "baton/input/arm_script.hpp"
+
+#include <fmt/format.h>
+
+#include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
+
+namespace baton {
+namespace {
+
+constexpr double kSameTick = 1e-9;  // [s] tolerance for floating-point tick times
+
+}  // namespace
+
+ArmScript ArmScript::load(const std::filesystem::path& file, const RobotModel& robot) {
+  return parse(read_input(file, "script of arms"), file.string(), robot);
+}
+
+ArmScript ArmScript::parse(std::string_view text, const std::string& name, const RobotModel& robot) {
+  std::vector<Entry> entries;
+  const ArmTrajectory none(robot);
+  const VecX q = VecX::Zero(robot.nv() - 6);
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    const std::string place = fmt::format("script of arms {}: line {}", name, number);
+    const nlohmann::json json = parse_json(line, place);
+    const JsonReader read(json, place);
+    Entry entry{read.at("t").number(), arm_targets_in(read)};
+    const double earliest = entries.empty() ? 0.0 : entries.back().t;
+    if (!(entry.t >= earliest)) read.at("t").fail(fmt::format("at least {}", earliest));
+    try {
+      static_cast<void>(none.continued(entry.targets, entry.t, q));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", place, error.what()));
+    }
+    entries.push_back(std::move(entry));
+  }
+  if (entries.empty()) throw InputError(fmt::format("script of arms {}: empty: must hold a line with targets", name));
+  return ArmScript(std::move(entries));
+}
+
+const ArmTargets* ArmScript::next(double t) {
+  if (next_ == entries_.size() || entries_[next_].t > t + kSameTick) return nullptr;
+  return &entries_[next_++].targets;
+}
+
+nlohmann::json to_json(const ArmTargets& targets) {
+  nlohmann::json json = {{"joints", targets.joints}};
+  if (targets.t.empty()) return json;
+  json["at"] = targets.t;
+  for (const auto& row : targets.q.rowwise())
+    json["q"].push_back(std::vector<double>(row.begin(), row.end()));
+  return json;
+}
+
+ArmTargets arm_targets_in(const JsonReader& read) {
+  ArmTargets targets;
+  for (const JsonReader& joint : read.at("joints").list())
+    targets.joints.push_back(joint.text());
+  if (!read.has("at") && !read.has("q")) return targets;
+  for (const JsonReader& t : read.at("at").list())
+    targets.t.push_back(t.number());
+  const std::vector<JsonReader> rows = read.at("q").list(targets.t.size());
+  targets.q.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(targets.joints.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    targets.q.row(static_cast<Eigen::Index>(i)) =
+        rows[i].vector(static_cast<Eigen::Index>(targets.joints.size())).transpose();
+  return targets;
+}
+
+}  // namespace baton
