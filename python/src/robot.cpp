@@ -56,6 +56,8 @@ void bind_robot(nb::module_& m) {
       .def_ro("name", &Joint::name)
       .def_prop_ro("lower", [](const Joint& joint) { return joint.position.lo; })
       .def_prop_ro("upper", [](const Joint& joint) { return joint.position.hi; })
+      .def_ro("home", &Joint::home,
+              "In the pose that the robot begins in, of a joint of an arm, the waist or the neck.")
       .def_ro("speed", &Joint::speed, "Largest speed of a planned motion [rad/s].")
       .def_prop_ro(
           "torque", [](const Joint& joint) { return joint.motor.stall; }, "Stall torque [N·m].")

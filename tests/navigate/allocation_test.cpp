@@ -105,6 +105,12 @@ TEST_F(AllocationTest, NoTickOfARandomRunAllocates) {
           command.lift = {random() % 4 == 0 ? 0.6 : 0.0, random() % 4 == 0 ? 0.6 : 0.0};
           command.recall = random() % 8 == 0 ? static_cast<Recall>(random() % 4) : Recall::none;
         }
+        if (random() % 200 == 0) {  // between ticks
+          ArmTargets targets = released_arms(robot);
+          targets.t = {0.005 * k + 0.5, 0.005 * k + 1.0};
+          targets.q = MatX::Constant(2, std::ssize(targets.joints), 0.2 * uniform(random));
+          trip.navigator().drive_arms(targets);
+        }
         trip.step(command);
         ASSERT_EQ(std::exchange(calls, 0), 0) << name << " at tick " << k;
       }

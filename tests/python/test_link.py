@@ -35,6 +35,24 @@ def test_two_processes_give_the_run_of_one(tmp_path):
     assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "inside.csv").read_bytes()
 
 
+def test_arms_are_driven_over_the_connection_as_inside(tmp_path):
+    arms = tmp_path / "arms.jsonl"
+    with arms.open("w") as file:
+        for k in range(30):
+            q = [[-0.5 - 0.04 * (k % 10), 0.1]]
+            chunk = {"t": 0.1 * k, "joints": ["left_elbow_flexion", "right_shoulder_flexion"], "at": [1 + 0.1 * k], "q": q}
+            file.write(json.dumps(chunk) + "\n")
+    driven = ("--arms", f"script:{arms}")
+    inside = drive("sim", 4, "--seed", 2, "--trace", tmp_path / "inside.csv", *driven)
+    for mode in [(), ("--targets",)]:
+        with simulated(*mode) as end:
+            there = drive(end.address, 4, "--trace", tmp_path / "there.csv", *driven)
+        assert there.returncode == inside.returncode == 0, there.stderr + inside.stderr
+        assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "inside.csv").read_bytes()
+    without = drive("sim", 4, "--seed", 2, "--trace", tmp_path / "without.csv")
+    assert without.returncode == 0 and (tmp_path / "without.csv").read_bytes() != (tmp_path / "inside.csv").read_bytes()
+
+
 def test_a_driver_that_is_killed_leaves_the_robot_to_the_next(tmp_path):
     with simulated() as end:
         victim = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE)

@@ -31,6 +31,12 @@ def test_what_the_documentation_shows():
     assert f"# {first}, …" in text and last.endswith("True False"), done.stdout + done.stderr
 
 
+def test_arms():
+    out = example("04_arms.py")
+    way, off = re.search(r"(\S+) m away, the arms within (\S+) rad of their targets \(median\), on its feet", out).groups()
+    assert float(way) > 0.3 and float(off) < 0.05
+
+
 def test_guide():
     out = example("01_guide.py")
     ahead, higher = re.search(r"(\S+) m ahead, the hand (\S+) cm higher, on its feet", out).groups()

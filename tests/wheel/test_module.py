@@ -103,6 +103,19 @@ def test_a_lever_stays_where_it_was(robot):
     assert run.pose("left_foot")[2, 3] < 0.002 and not run.fallen
 
 
+def test_arms_follow_what_drives_them_while_it_walks(robot):
+    run = baton.Run(robot, seed=3)
+    joints = ["left_elbow_flexion", "right_elbow_flexion"]
+    index = [[joint.name for joint in robot.joints].index(name) for name in joints]
+    run.guide("trunk", FORWARD)
+    run.drive_arms(joints, [1.0, 2.0], [[-0.6, -0.6], [-0.9, -0.3]])
+    run.advance(3.0)
+    assert run.measurement.q[index] == pytest.approx([-0.9, -0.3], abs=0.06)
+    run.release_arms()
+    run.advance(1.0)
+    assert not run.fallen and run.truth.q[0] > 0.05
+
+
 def test_the_same_commands_give_the_same_run_again(robot):
     run = baton.Run(robot, seed=3)
     run.guide("trunk", FORWARD)
@@ -211,6 +224,9 @@ def test_a_refusal_says_why(robot):
         (lambda r: r.mjcf(timestep=0.0), "timestep 0"),
         (lambda r: baton.Run(r).guide("trunk", lift=1.0), "only a foot has a lever"),
         (lambda r: baton.Run(r).guide("trunk", [1]), "axes has the shape"),
+        (lambda r: baton.Run(r).drive_arms(["left_knee_flexion"], [1], [[0]]), "left_knee_flexion.*none of an arm"),
+        (lambda r: baton.Run(r).drive_arms(["left_elbow_flexion"], [1, 2], [[0]]), "1 × 1 numbers: must be 2 × 1"),
+        (lambda r: baton.Run(r).drive_arms(["left_elbow_flexion"], [], [[]]), "t has no times"),
         (lambda r: baton.Run(r).pose("head"), 'part "head"'),
         (lambda r: baton.Run(r).advance(-1.0), "seconds -1"),
         (lambda r: baton.Run(r).advance(math.nan), "seconds nan"),
