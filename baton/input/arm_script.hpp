@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "baton/guide/arm_trajectory.hpp"
-#include "baton/input/json_reader.hpp"
 
 namespace baton {
 
@@ -34,10 +33,5 @@ class ArmScript {
   std::vector<Entry> entries_;
   std::size_t next_ = 0;
 };
-
-/// Targets as JSON: `joints`, and, unless they are let go of, `at` and `q`, a list for each time.
-[[nodiscard]] nlohmann::json to_json(const ArmTargets& targets);
-/// @throws InputError it is none
-[[nodiscard]] ArmTargets arm_targets_in(const JsonReader& read);
 
 }  // namespace baton

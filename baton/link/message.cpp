@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "baton/input/arm_script.hpp"
+#include "baton/input/arm_targets_json.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 

@@ -33,7 +33,12 @@ Trail trail_of(const Posture& start, const Motion& motion) {
 }
 
 Trail continued(Trail trail, int ticks, const Motion& next) {
-  trail.pieces.back().ticks = ticks;
+  Trail::Piece& replaced = trail.pieces.back();
+  replaced.ticks = ticks;
+  // Arms that are driven from outside are planned anew ten times a second, each time a second ahead.
+  if (replaced.goal.kind == SegmentKind::arms)
+    replaced.points =
+        std::make_shared<std::vector<Trail::Point>>(replaced.points->begin(), replaced.points->begin() + ticks + 1);
   trail.pieces.push_back(piece_of(next));
   return trail;
 }
@@ -45,6 +50,7 @@ std::vector<TrailRest> rests_on(const Trail& trail) {
     passed += trail.pieces[k].ticks;
     const Trail::Piece& replaced = trail.pieces[k - 1];
     const ContactPhase& last = replaced.phases.back();
+    if (replaced.ticks == replaced.planned()) continue;  // what would have led to its rest is not kept
     const bool settles = replaced.ticks >= replaced.planned() - last.ticks;
     if (settles && last.contact.left && last.contact.right) found.push_back({k - 1, passed});
   }

@@ -20,7 +20,7 @@ struct Trail {
     BySide<Pose> sole;
   };
   struct Piece {
-    std::shared_ptr<const std::vector<Point>> points;  ///< of the whole motion, one per tick
+    std::shared_ptr<const std::vector<Point>> points;  ///< one per tick; of the whole motion, or as far as executed
     std::vector<ContactPhase> phases;                  ///< of the whole motion
     Goal goal;                                         ///< goal of the motion
     int ticks = 0;                                     ///< executed ticks

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "baton/input/arm_script.hpp"
+#include "baton/input/arm_targets_json.hpp"
 #include "baton/input/json_reader.hpp"
 #include "baton/model/error.hpp"
 #include "baton/record/recording.hpp"

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "baton/input/arm_script.hpp"
+#include "baton/input/arm_targets_json.hpp"
 #include "baton/record/event_json.hpp"
 #include "baton/record/json.hpp"
 #include "baton/record/recording.hpp"

@@ -78,8 +78,8 @@ TEST_F(Replay, GivesTheSameJointTargetsBitByBit) {
 }
 
 TEST_F(Replay, HasWhatDroveTheArms) {
-  const std::string chunks = R"({"t": 0, "joints": ["left_elbow_flexion"], "at": [0.8, 1.6], "q": [[-0.7], [-0.2]]}
-{"t": 1.0, "joints": ["right_elbow_flexion", "right_shoulder_flexion"], "at": [1.1], "q": [[-0.9, 0.2]]}
+  const std::string chunks = R"({"t": 0, "joints": ["left_elbow_flexion"], "at": [0.8, 1.6], "q": [[0.7], [1.2]]}
+{"t": 1.0, "joints": ["right_elbow_flexion", "right_shoulder_flexion"], "at": [1.1], "q": [[0.9, 0.2]]}
 {"t": 2.0, "joints": ["left_elbow_flexion"]}
 )";
   record("sim", {"--fast", "--arms", "script:" + scratch_.write("arms.jsonl", chunks)});
@@ -87,7 +87,7 @@ TEST_F(Replay, HasWhatDroveTheArms) {
   EXPECT_EQ(again.code, app::kDone) << again.out << again.err;
   EXPECT_THAT(again.out, HasSubstr("identical bit for bit"));
   const RecordingParts parts(file_);
-  const Outcome other = replayed_with(parts, "/baton/arms", 0, [](nlohmann::json& m) { m["q"][0][0] = -0.6; });
+  const Outcome other = replayed_with(parts, "/baton/arms", 0, [](nlohmann::json& m) { m["q"][0][0] = 0.6; });
   EXPECT_EQ(other.code, app::kFailed) << other.out << other.err;
   const Outcome none = replayed_with(parts, "/baton/arms", 0, [](nlohmann::json& m) { m["joints"][0] = "left_knee"; });
   EXPECT_EQ(none.code, app::kBadInput) << none.out;

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "baton/input/arm_targets_json.hpp"
 #include "baton/model/error.hpp"
 #include "tests/support/robots.hpp"
 

@@ -104,6 +104,33 @@ TEST_P(ArmsTest, WhatIsKnownAheadIsFollowedWhileTheRobotWalks) {
   EXPECT_GT((trip.posture().com - before.com).norm(), 3.0 * robot_.profile().stance.com_height);
 }
 
+TEST_P(ArmsTest, WhatTheyDidIsRetraced) {
+  Trip trip(robot_);
+  trip.step({});
+  const VecX start = trip.navigator().sample().q;
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> uniform(-0.2, 0.2);
+  for (int k = 0; k < ticks(6.0); ++k) {
+    if (k % ticks(0.3) == 0) {
+      VecX q = home();
+      for (double& angle : q)
+        angle += uniform(random);
+      trip.navigator().drive_arms({joints(), {k * period_ + 0.3}, q.transpose()});
+    }
+    trip.step({});
+  }
+  trip.navigator().drive_arms(released_arms(robot_));
+  for (int k = 0; k < ticks(2.0); ++k)
+    trip.step({});
+  ASSERT_EQ(trip.navigator().motion(), nullptr);
+  EXPECT_GT((trip.navigator().sample().q - start).norm(), 0.1);
+  Command back;
+  back.recall = Recall::retrace;
+  for (int k = 0; k < ticks(60.0) && trip.navigator().history() + (trip.navigator().motion() != nullptr) > 0; ++k)
+    trip.step(back);
+  EXPECT_LT((trip.navigator().sample().q - start).tail(robot_.nv() - 6).cwiseAbs().maxCoeff(), 1e-6);
+}
+
 TEST_P(ArmsTest, NothingThatDrivesThemBreaksThePlan) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

@@ -39,7 +39,7 @@ def test_arms_are_driven_over_the_connection_as_inside(tmp_path):
     arms = tmp_path / "arms.jsonl"
     with arms.open("w") as file:
         for k in range(30):
-            q = [[-0.5 - 0.04 * (k % 10), 0.1]]
+            q = [[0.6 + 0.04 * (k % 10), 0.1]]
             chunk = {"t": 0.1 * k, "joints": ["left_elbow_flexion", "right_shoulder_flexion"], "at": [1 + 0.1 * k], "q": q}
             file.write(json.dumps(chunk) + "\n")
     driven = ("--arms", f"script:{arms}")

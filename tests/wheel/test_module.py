@@ -108,9 +108,9 @@ def test_arms_follow_what_drives_them_while_it_walks(robot):
     joints = ["left_elbow_flexion", "right_elbow_flexion"]
     index = [[joint.name for joint in robot.joints].index(name) for name in joints]
     run.guide("trunk", FORWARD)
-    run.drive_arms(joints, [1.0, 2.0], [[-0.6, -0.6], [-0.9, -0.3]])
+    run.drive_arms(joints, [1.0, 2.0], [[0.9, 0.9], [0.6, 1.3]])
     run.advance(3.0)
-    assert run.measurement.q[index] == pytest.approx([-0.9, -0.3], abs=0.06)
+    assert run.measurement.q[index] == pytest.approx([0.6, 1.3], abs=0.06)
     run.release_arms()
     run.advance(1.0)
     assert not run.fallen and run.truth.q[0] > 0.05
