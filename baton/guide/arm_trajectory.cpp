@@ -21,7 +21,7 @@ constexpr double kAccelerationShare = 0.15;
 constexpr double kShortestBraking = 0.1;  ///< [s]
 constexpr double kPeakOfBraking = 1.5;    ///< largest deceleration of the brake [speed / time of braking]
 constexpr double kSettled = 1e-3;         ///< speed at which a joint counts as at rest [rad/s]
-constexpr double kInside = 0.01;          ///< by which targets stay within the margin [rad]
+constexpr double kWithinMargin = 0.01;          ///< by which targets stay within the margin [rad]
 
 /// @throws InputError no joint of an arm has that name
 int arm_joint(const RobotModel& robot, const std::string& name) {
@@ -68,7 +68,7 @@ ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, co
           fmt::format("time {} of the targets is {}: must be finite, and later than the one before", i, t[i]));
   }
   if (!targets.q.allFinite()) throw InputError("a target is not finite");
-  const double margin = robot_->profile().margin.joint + kInside;
+  const double margin = robot_->profile().margin.joint + kWithinMargin;
   ArmTrajectory next = *this;
   ++next.version_;
   std::vector<int> seen;

@@ -13,6 +13,7 @@ for _pattern in ("mujoco/libmujoco.so.*", "cmeel.prefix/lib/libeiquadprog.so"):
 from . import _core  # noqa: E402
 from ._core import (  # noqa: E402
     AnswerLate,
+    ArmsRefused,
     Command,
     Committed,
     DisturbedChanged,
@@ -36,6 +37,7 @@ from ._core import (  # noqa: E402
 __version__ = importlib.metadata.version("baton")
 __all__ = [
     "AnswerLate",
+    "ArmsRefused",
     "Command",
     "Committed",
     "DisturbedChanged",
@@ -69,6 +71,7 @@ Event = (
     | GuardChanged
     | SensorChanged
     | HeatChanged
+    | ArmsRefused
 )
 
 _core.use_share_dir(pathlib.Path(__file__).parent / "share")
