@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <limits>
@@ -130,6 +132,17 @@ std::string text_in(const JsonReader& reader) {
   return text;
 }
 
+constexpr std::array<std::string_view, 3> kRoles{"drive", "damp", "observe"};  // as in `Role`
+
+std::string_view text_of(Role role) {
+  return kRoles[static_cast<std::size_t>(role)];
+}
+
+Role role_in(const JsonReader& reader) {
+  const std::string role = reader.one_of({kRoles[0], kRoles[1], kRoles[2]});
+  return static_cast<Role>(std::find(kRoles.begin(), kRoles.end(), role) - kRoles.begin());
+}
+
 int version_in(const JsonReader& reader) {
   return static_cast<int>(reader.at("baton").integer(0, std::numeric_limits<int>::max()));
 }
@@ -195,13 +208,12 @@ std::optional<Message> Stream::next() {
 }
 
 std::string encode(const Hello& hello) {
-  return dumped({{"baton", hello.version},
-                 {"token", hello.token},
-                 {"role", hello.role == Hello::Role::drive ? "drive" : "damp"}});
+  return dumped({{"baton", hello.version}, {"token", hello.token}, {"role", text_of(hello.role)}});
 }
 
 std::string encode(const Welcome& welcome) {
   return dumped({{"baton", welcome.version},
+                 {"role", text_of(welcome.role)},
                  {"robot", welcome.robot},
                  {"joints", welcome.joints},
                  {"period", welcome.period},
@@ -304,8 +316,7 @@ Hello decode_hello(const std::string& body) {
     Hello hello;
     hello.version = version_in(reader);
     if (reader.has("token")) hello.token = text_in(reader.at("token"));
-    if (reader.has("role"))
-      hello.role = reader.at("role").one_of({"drive", "damp"}) == "damp" ? Hello::Role::damp : Hello::Role::drive;
+    if (reader.has("role")) hello.role = role_in(reader.at("role"));
     return hello;
   });
 }
@@ -314,6 +325,7 @@ Welcome decode_welcome(const std::string& body) {
   return from_json("welcome", body, [](const JsonReader& reader) {
     Welcome welcome;
     welcome.version = version_in(reader);
+    if (reader.has("role")) welcome.role = role_in(reader.at("role"));
     welcome.robot = text_in(reader.at("robot"));
     for (const JsonReader& joint : reader.at("joints").list())
       welcome.joints.push_back(text_in(joint));

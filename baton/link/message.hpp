@@ -62,9 +62,11 @@ class Stream {
   std::string bytes_;
 };
 
+/// What a connection is for.
+enum class Role { drive, damp, observe };
+
 /// What a connection begins with.
 struct Hello {
-  enum class Role { drive, damp };
   int version = kVersion;
   std::string token;  ///< "": none
   Role role = Role::drive;
@@ -80,6 +82,7 @@ struct Welcome {
   std::string on = "real";          ///< sim, ideal or real
   std::string world;                ///< in which a simulated robot stands; "": unknown
   bool navigates = false;           ///< follows commands, by a navigator of its own; else targets for the joints
+  Role role = Role::drive;          ///< what the robot has understood: `drive` or `observe`
 };
 
 /// How a robot that navigates by itself is to do so.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "baton/link/answer.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::link {
@@ -14,28 +15,9 @@ namespace {
 constexpr Socket::Time kSending{2000};
 constexpr Socket::Time kFarewell{200};
 
-Message receive_from(Socket& socket, Stream& stream, Socket::Time limit) {
-  const auto until = std::chrono::steady_clock::now() + limit;
-  while (true) {
-    if (std::optional<Message> message = stream.next()) return *std::move(message);
-    const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
-    if (left.count() <= 0 || !socket.receive(stream.bytes(), left))
-      throw LinkError(fmt::format("nothing from the robot for {} ms", limit.count()));
-  }
-}
-
-[[noreturn]] void complain(const Message& refusal) {
-  const Refusal why = decode_refusal(refusal.body);
-  throw LinkError(fmt::format("refused ({}): {}", why.reason, why.text));
-}
-
 bool same_bits(const VecX& a, const VecX& b) {
   return a.size() == b.size() &&
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
-}
-
-[[noreturn]] void complain_of(Type type, const char* wanted) {
-  throw LinkError(fmt::format("a message of type {} in place of {}", static_cast<int>(type), wanted));
 }
 
 }  // namespace
@@ -48,6 +30,26 @@ Start start_of(const RobotModel& robot) {
     start.kd[i] = gains.kd;
   }
   return start;
+}
+
+void check_robot(const RobotModel& model, const std::string& world, const Welcome& welcome, const Address& from) {
+  if (welcome.version != kVersion)
+    throw LinkError(
+        fmt::format("the robot speaks version {} of the protocol, this program {}", welcome.version, kVersion));
+  const Profile& profile = model.profile();
+  const auto because = [&](const std::string& why) {
+    throw InputError(fmt::format("--robot {}: the robot '{}' at {} {}", profile.name, welcome.robot, from.text(), why));
+  };
+  const std::vector<Joint>& own = model.joints();
+  for (std::size_t i = 0; i < std::max(own.size(), welcome.joints.size()); ++i) {
+    const std::string mine = i < own.size() ? own[i].name : "none";
+    const std::string theirs = i < welcome.joints.size() ? welcome.joints[i] : "none";
+    if (mine != theirs) because(fmt::format("has '{}' as joint {}: must be '{}'", theirs, i, mine));
+  }
+  if (std::abs(welcome.period - profile.tick.period) > 1e-9)
+    because(fmt::format("has a tick of {} s: must be {} s", welcome.period, profile.tick.period));
+  if (!welcome.world.empty() && welcome.world != world)
+    throw InputError(fmt::format("--world {}: the robot at {} stands in '{}'", world, from.text(), welcome.world));
 }
 
 RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, const Parameters& parameters)
@@ -76,37 +78,15 @@ Message RemoteRobot::receive(Socket::Time limit) {
 }
 
 void RemoteRobot::greet(const std::string& token, const std::string& world) {
-  socket_.send(framed(Type::hello, encode(Hello{kVersion, token, Hello::Role::drive})), kSending);
+  socket_.send(framed(Type::hello, encode(Hello{kVersion, token, Role::drive})), kSending);
   const Message answer = receive(parameters_.connecting);
   if (answer.type != Type::welcome) complain_of(answer.type, "a welcome");
   welcome_ = decode_welcome(answer.body);
-  if (welcome_.version != kVersion)
-    throw LinkError(
-        fmt::format("the robot speaks version {} of the protocol, this program {}", welcome_.version, kVersion));
-  check_joints();
-  if (!welcome_.world.empty() && welcome_.world != world)
-    throw InputError(
-        fmt::format("--world {}: the robot at {} stands in '{}'", world, parameters_.address.text(), welcome_.world));
+  check_robot(*model_, world, welcome_, parameters_.address);
   std::exchange(parameters_.accept, nullptr)(welcome_);
   Start start = start_of(*model_);
   start.navigation = parameters_.navigation;
   socket_.send(framed(Type::start, encode(start)), kSending);
-}
-
-void RemoteRobot::check_joints() const {
-  const Profile& profile = model_->profile();
-  const auto because = [&](const std::string& why) {
-    throw InputError(fmt::format("--robot {}: the robot '{}' at {} {}", profile.name, welcome_.robot,
-                                 parameters_.address.text(), why));
-  };
-  const std::vector<Joint>& own = model_->joints();
-  for (std::size_t i = 0; i < std::max(own.size(), welcome_.joints.size()); ++i) {
-    const std::string mine = i < own.size() ? own[i].name : "none";
-    const std::string theirs = i < welcome_.joints.size() ? welcome_.joints[i] : "none";
-    if (mine != theirs) because(fmt::format("has '{}' as joint {}: must be '{}'", theirs, i, mine));
-  }
-  if (std::abs(welcome_.period - profile.tick.period) > 1e-9)
-    because(fmt::format("has a tick of {} s: must be {} s", welcome_.period, profile.tick.period));
 }
 
 Command RemoteRobot::guide(const Command& command) {
@@ -231,7 +211,7 @@ double RemoteRobot::not_followed_for() const {
 void damp(const Address& address, const std::string& token) {
   try {
     Socket socket = Socket::connect(address, Socket::Time(3000));
-    socket.send(framed(Type::hello, encode(Hello{kVersion, token, Hello::Role::damp})), kSending);
+    socket.send(framed(Type::hello, encode(Hello{kVersion, token, Role::damp})), kSending);
     Stream stream;
     const Message answer = receive_from(socket, stream, Socket::Time(3000));
     if (answer.type == Type::refusal) complain(answer);

@@ -20,6 +20,11 @@ namespace baton::link {
 /// The servos that the driver of a robot counts on: those of its profile.
 [[nodiscard]] Start start_of(const RobotModel& robot);
 
+/// @param from where it is
+/// @throws LinkError it speaks another version
+/// @throws InputError it is another robot than `model`, with other joints, or in another world
+void check_robot(const RobotModel& model, const std::string& world, const Welcome& welcome, const Address& from);
+
 class RemoteRobot : public Robot {
  public:
   struct Parameters {
@@ -90,7 +95,6 @@ class RemoteRobot : public Robot {
   [[nodiscard]] bool take(const Message& message);
   /// Takes messages up to the next measurement or tick.
   void await_reading(Socket::Time limit);
-  void check_joints() const;
   void check_sequence(const Reading& reading);
 
   const RobotModel* model_;

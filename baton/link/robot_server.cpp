@@ -72,11 +72,13 @@ void RobotServer::serve(Socket::Time limit) {
   std::vector<pollfd> all{{listener_.descriptor(), POLLIN, 0}};
   for (const Peer& guest : guests_)
     all.push_back({guest.socket.descriptor(), POLLIN, 0});
-  if (driver_) all.push_back({driver_->socket.descriptor(), POLLIN, 0});
+  for (const std::optional<Peer>* peer : {&driver_, &observer_}) {
+    if (*peer) all.push_back({(*peer)->socket.descriptor(), POLLIN, 0});
+  }
   std::chrono::nanoseconds wait = more_ ? Socket::Time(0) : limit;
   if (parameters_.remote != nullptr) {
     wait = runs_ ? 0ns : std::min<std::chrono::nanoseconds>(wait, period());
-  } else if (parameters_.real_time && runs_) {
+  } else if (parameters_.real_time && (runs_ || observer_)) {
     wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
   }
   const auto seconds = std::chrono::floor<std::chrono::seconds>(wait);
@@ -90,11 +92,15 @@ void RobotServer::hear_all() {
   more_ = false;
   std::string why;
   if (driver_ && !listen_to(*driver_, why)) drop_driver(why);
+  if (observer_ && !listen_to(*observer_, why)) drop_observer(why);
   const auto now = parameters_.now();
   std::vector<Peer> staying;
   for (Peer& guest : guests_) {
     if (!listen_to(guest, why) || now - guest.since > kGreeting) continue;
-    if (guest.welcomed) {
+    if (guest.welcomed && guest.observes) {
+      observer_ = std::move(guest);
+      if (!listen_to(*observer_, why)) drop_observer(why);
+    } else if (guest.welcomed) {
       driver_ = std::move(guest);
       state_ = State::driven;
       if (!listen_to(*driver_, why)) drop_driver(why);
@@ -108,6 +114,7 @@ void RobotServer::hear_all() {
 }
 
 bool RobotServer::listen_to(Peer& peer, std::string& why) {
+  why.clear();
   try {
     std::exception_ptr gone;  // after what it has said before
     try {
@@ -121,7 +128,7 @@ bool RobotServer::listen_to(Peer& peer, std::string& why) {
       int heard = 0;
       while (std::optional<Message> message = peer.stream.next()) {
         if (!hear(peer, *message)) return false;
-        if (guest && peer.welcomed) break;  // goes on as the driver
+        if (guest && peer.welcomed) break;  // goes on as what it is then
         if (++heard == kMostInTurn) {
           more_ = true;
           return true;
@@ -150,6 +157,12 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
   if (!peer.welcomed) {
     if (message.type == Type::hello) return greet(peer, message);
     return refuse(peer, "protocol", "a connection begins with a hello");
+  }
+  if (peer.observes) {
+    if (message.type == Type::bye) return false;
+    return refuse(peer, "protocol",
+                  fmt::format("a message of type {} from an observer: it may send nothing but bye, and moves nothing",
+                              static_cast<int>(message.type)));
   }
   switch (message.type) {
     case Type::start:
@@ -185,7 +198,8 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
     return refuse(peer, "version", fmt::format("version {} of the protocol: must be {}", hello.version, kVersion));
   if (!parameters_.token.empty() && !same_token(hello.token, parameters_.token))
     return refuse(peer, "token", hello.token.empty() ? "a token is needed" : "the token is wrong");
-  if (hello.role == Hello::Role::damp) {
+  if (hello.role == Role::observe) return greet_observer(peer);
+  if (hello.role == Role::damp) {
     damp("asked for over the network");
     peer.socket.send(framed(Type::damp, encode_text(damped_because_)), kAtOnce);
     return false;
@@ -193,7 +207,23 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
   if (driver_) return refuse(peer, "busy", "somebody drives the robot already");
   if (retired_) return refuse(peer, "busy", "the robot's end is being ended");
+  welcome(peer, Role::drive);
+  return true;
+}
+
+bool RobotServer::greet_observer(Peer& peer) {
+  if (observer_) return refuse(peer, "busy", "somebody observes the robot already");
+  peer.observes = true;
+  welcome(peer, Role::observe);
+  shown_ = 0;
+  if (!runs_) due_ = parameters_.now() + period();
+  parameters_.log("an observer looks on");
+  return true;
+}
+
+void RobotServer::welcome(Peer& peer, Role role) {
   Welcome welcome;
+  welcome.role = role;
   welcome.robot = model_->profile().name;
   for (const Joint& joint : model_->joints())
     welcome.joints.push_back(joint.name);
@@ -203,8 +233,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   welcome.world = parameters_.world;
   welcome.navigates = parameters_.navigates_in != nullptr;
   peer.socket.send(framed(Type::welcome, encode(welcome)), kAtOnce);
-  peer.welcomed = true;  // `serve` makes it the driver
-  return true;
+  peer.welcomed = true;  // `serve` makes it the driver or observer
 }
 
 bool RobotServer::begin(Peer& peer, const Message& message) {
@@ -243,6 +272,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   due_ = parameters_.now() + period();
   parameters_.log("a driver has taken over");
   send_reading(peer);
+  if (!onboard_) show();  // else the first tick does
   return true;
 }
 
@@ -270,6 +300,7 @@ bool RobotServer::guide(Peer& peer, const Message& message) {
   if (parameters_.real_time) return true;
   move();
   report();
+  show();
   return true;
 }
 
@@ -300,6 +331,7 @@ void RobotServer::follow(Peer& peer, const Message& message) {
   if (parameters_.real_time) return;
   move();
   report();
+  show();
 }
 
 std::optional<std::string> RobotServer::judge(const Target& target) {
@@ -323,6 +355,23 @@ void RobotServer::move() {
   if (!parameters_.immediate) robot_->write(target_);
   ++reading_.sequence;
   reading_.measurement = robot_->read();
+}
+
+void RobotServer::look() {
+  reading_.measurement = robot_->read();
+  show();
+}
+
+void RobotServer::show() {
+  if (!observer_) return;
+  Reading shown = reading_;
+  shown.sequence = shown_++;
+  shown.damped = state_ == State::damped;
+  try {
+    send(*observer_, framed(Type::measurement, encode(shown)));
+  } catch (const LinkError& error) {
+    drop_observer(error.what());
+  }
 }
 
 void RobotServer::report() {
@@ -369,7 +418,7 @@ void RobotServer::brake() {
 
 void RobotServer::advance_if_due() {
   if (parameters_.remote != nullptr) return advance_remote();
-  if (!parameters_.real_time || !runs_) return;
+  if (!parameters_.real_time || !(runs_ || observer_)) return;
   for (int tick = 0; tick < kMostBehind && parameters_.now() >= due_; ++tick) {
     due_ += period();
     advance();
@@ -386,6 +435,7 @@ void RobotServer::advance_remote() {
     advance();  // up to its next measurement
   } else {
     remote.catch_up();
+    if (remote.read().t != reading_.measurement.t) look();
   }
   if (remote.damped()) damp("at its own end: " + remote.damped_because());
   if (!driver_ || remote.not_followed_for() <= kNotFollowing) return;
@@ -398,12 +448,14 @@ void RobotServer::advance_remote() {
 }
 
 void RobotServer::advance() {
+  if (!runs_) return look();
   move();
   try {
     report();
   } catch (const LinkError& error) {
     drop_driver(error.what());
   }
+  show();
 }
 
 RobotServer::Clock::duration RobotServer::period() const {
@@ -439,6 +491,11 @@ void RobotServer::drop_driver(const std::string& why) {
   driver_.reset();
   if (onboard_) onboard_->driver_gone();
   if (state_ == State::driven) state_ = State::waiting;
+}
+
+void RobotServer::drop_observer(const std::string& why) {
+  parameters_.log(why.empty() ? "the observer has left" : "observer lost: " + why);
+  observer_.reset();
 }
 
 void RobotServer::damp(const std::string& because) {

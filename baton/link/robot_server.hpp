@@ -1,4 +1,4 @@
-/// The robot's end of a connection: one driver at a time, and a brake that needs no driver.
+/// The robot's end of a connection: one driver at a time, a brake that needs no driver, and one who only looks on.
 #pragma once
 
 #include <chrono>
@@ -75,6 +75,7 @@ class RobotServer {
     Stream stream;
     Clock::time_point since;  ///< of its connection
     bool welcomed = false;
+    bool observes = false;
     bool started = false;
   };
 
@@ -87,6 +88,9 @@ class RobotServer {
   /// @returns whether the peer stays connected
   [[nodiscard]] bool hear(Peer& peer, const Message& message);
   [[nodiscard]] bool greet(Peer& peer, const Message& message);
+  [[nodiscard]] bool greet_observer(Peer& peer);
+  /// Says who the robot is.
+  void welcome(Peer& peer, Role role);
   [[nodiscard]] bool begin(Peer& peer, const Message& message);
   /// @returns why not, with these servos
   [[nodiscard]] std::optional<std::string> wrong_servos(const Start& start) const;
@@ -101,6 +105,10 @@ class RobotServer {
   /// Tells the driver.
   /// @throws LinkError it is gone
   void report();
+  /// Measures, without moving.
+  void look();
+  /// Tells the observer what was measured.
+  void show();
   void brake();
   /// Logs what the navigator at this end has done in a tick, as far as somebody beside the robot wants to know it.
   void log_changes();
@@ -116,6 +124,7 @@ class RobotServer {
   [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
   /// @param why for the log; "": it is there already
   void drop_driver(const std::string& why);
+  void drop_observer(const std::string& why);
 
   const RobotModel* model_;
   Robot* robot_;
@@ -124,6 +133,8 @@ class RobotServer {
   State state_ = State::waiting;
   std::vector<Peer> guests_;          ///< connected, and nothing agreed on yet
   std::optional<Peer> driver_;        ///< at most one
+  std::optional<Peer> observer_;      ///< the same
+  std::uint64_t shown_ = 0;           ///< measurements since it came
   std::unique_ptr<Onboard> onboard_;  ///< null before the first start, and if it follows targets
   TargetCheck check_;
   JointTarget target_;  ///< the last one that was followed

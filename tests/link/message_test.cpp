@@ -243,11 +243,11 @@ TEST(LinkMessage, ABodyOfAnyOtherLengthIsRefused) {
 }
 
 TEST(LinkMessage, HandshakesSurviveTheWayAndSayWhatIsWrong) {
-  const Hello hello = decode_hello(encode(Hello{7, "a \"secret\" \xc3\xa9", Hello::Role::damp}));
+  const Hello hello = decode_hello(encode(Hello{7, "a \"secret\" \xc3\xa9", Role::damp}));
   EXPECT_EQ(hello.version, 7);
   EXPECT_EQ(hello.token, "a \"secret\" \xc3\xa9");
-  EXPECT_EQ(hello.role, Hello::Role::damp);
-  EXPECT_EQ(decode_hello(R"({"baton": 1})").role, Hello::Role::drive);
+  EXPECT_EQ(hello.role, Role::damp);
+  EXPECT_EQ(decode_hello(R"({"baton": 1})").role, Role::drive);
 
   const Welcome welcome = decode_welcome(encode(Welcome{1, "mighty", {"a", "b"}, 0.005, true, "sim", "room"}));
   EXPECT_EQ(welcome.joints, (std::vector<std::string>{"a", "b"}));

@@ -148,7 +148,7 @@ class Raw {
 };
 
 inline std::string hello(int version = link::kVersion, const std::string& token = "") {
-  return encode(link::Hello{version, token, link::Hello::Role::drive});
+  return encode(link::Hello{version, token, link::Role::drive});
 }
 
 /// "reason: text" of a refusal.
