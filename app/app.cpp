@@ -192,6 +192,9 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_option("--seed", o.seed, "Seed of plant, scenario and answer faults; written to the report")
       ->capture_default_str()
       ->transform(whole(std::numeric_limits<long>::min(), kAnyWhole));
+  command.add_flag(
+      "--shadow", o.shadow,
+      "Beside whoever drives the robot at --on tcp://HOST:PORT: estimate, plan and report, and send nothing");
   command.add_flag("--headless", o.headless, "No page");
   command.add_flag("--fast", o.fast, "Run as fast as possible, not in real time (needs --seconds; no page)");
   command.add_option("--port", o.port, "Port of the page; 0: any free port")

@@ -70,6 +70,7 @@ struct DriveOptions {
   AnswerOptions answers;
   std::optional<double> seconds;
   long seed = 0;
+  bool shadow = false;  ///< beside another controller: sends nothing
   bool headless = false;
   bool fast = false;
   int port = 8080;
@@ -193,6 +194,7 @@ int check(const CheckOptions& options);
 int robots();
 int damp(const DampOptions& options);
 int drive(const DriveOptions& options);
+int drive_in_shadow(const DriveOptions& options);
 int export_recording(const ExportOptions& options);
 int replay(const ReplayOptions& options);
 int show_info(const InfoOptions& options);

@@ -62,6 +62,7 @@ void show_fall(View& view, const Simulation& simulation, const Inputs& inputs, c
 }  // namespace
 
 int drive(const DriveOptions& o) {
+  if (o.shadow) return drive_in_shadow(o);
   if (o.fast && !o.seconds) throw InputError("--fast needs --seconds: nothing else ends the run");
   const RobotModel robot = robot_in(o.physics, o.robot);
   const World world = World::load(o.world);

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <sstream>
+#include <utility>
 
 #include "app/app.hpp"
 #include "baton/model/derive.hpp"
@@ -79,20 +80,26 @@ Outputs::Outputs(Simulation& simulation, const std::optional<std::filesystem::pa
   if (trace) session.add(trace_.emplace(session.model(), *trace));
 }
 
-void Outputs::record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
-                     const std::vector<Push>& pushes) {
+std::unique_ptr<RecordingWriter> recording_of(const Session& session, const std::filesystem::path& file,
+                                              nlohmann::json head, bool live, const std::vector<Push>& pushes) {
   const std::string profile = derived_profile(profile_file(head.at("robot")));
   head.update({{"baton", version()},
                {"mujoco", mj_versionString()},
                {"model_sum", checksum(read_input(session.model().profile().model, "model"))},
                {"world_sum", checksum(read_input(session.world().file(), "world"))},
                {"profile_sum", checksum(profile)}});
-  session.add(recording_.emplace(
+  return std::make_unique<RecordingWriter>(
       session.model(), file, head,
       RecordingWriter::Parameters{.live = live,
                                   .pushes = pushes,
                                   .attachments = {{"profile.toml", "application/toml", profile}},
-                                  .warn = [](const std::string& why) { spdlog::warn("{}; the run goes on", why); }}));
+                                  .warn = [](const std::string& why) { spdlog::warn("{}; the run goes on", why); }});
+}
+
+void Outputs::record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
+                     const std::vector<Push>& pushes) {
+  recording_ = recording_of(session, file, std::move(head), live, pushes);
+  session.add(*recording_);
 }
 
 nlohmann::json Outputs::write(const std::string& world, const std::string& on, long seed, double wall,

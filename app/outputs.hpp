@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -42,6 +43,15 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 /// Elapsed wall-clock time [s].
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
+/// A recording of a session, for it to have as a sink. Warns once when it cannot be complete.
+/// @param head robot, world and modes of the run; what they were made of is added
+/// @param live the run is in real time
+/// @param pushes that the robot will get
+/// @throws InputError the file cannot be opened
+[[nodiscard]] std::unique_ptr<RecordingWriter> recording_of(const Session& session, const std::filesystem::path& file,
+                                                            nlohmann::json head, bool live,
+                                                            const std::vector<Push>& pushes);
+
 class Outputs {
  public:
   /// Observes the run from now on; do not step it after this object is destroyed.
@@ -50,11 +60,7 @@ class Outputs {
   Outputs(Simulation& simulation, const std::optional<std::filesystem::path>& report,
           const std::optional<std::filesystem::path>& trace, const std::optional<std::filesystem::path>& model);
 
-  /// Also records the run, for `baton replay`. Warns once when the recording cannot be complete.
-  /// @param head robot, world and modes of the run; what they were made of is added
-  /// @param live the run is in real time
-  /// @param pushes that the robot will get
-  /// @throws InputError the file cannot be opened
+  /// Also records the run, for `baton replay`: `recording_of`.
   void record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
               const std::vector<Push>& pushes);
 
@@ -68,7 +74,7 @@ class Outputs {
   Report report_;
   std::optional<OutputFile> report_file_;
   std::optional<Trace> trace_;
-  std::optional<RecordingWriter> recording_;
+  std::unique_ptr<RecordingWriter> recording_;
 };
 
 }  // namespace baton::app

@@ -24,6 +24,7 @@ set(slow_suites
     Scenario
     SensorCheckRunsTest
     Session
+    ShadowTest
     Soak
     StopTest)
 # As a filter of GoogleTest: the suites, and their instances for each robot.
