@@ -199,6 +199,8 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
   if (!parameters_.token.empty() && !same_token(hello.token, parameters_.token))
     return refuse(peer, "token", hello.token.empty() ? "a token is needed" : "the token is wrong");
   if (hello.role == Role::observe) return greet_observer(peer);
+  if (parameters_.only_observed)
+    return refuse(peer, "busy", "somebody else controls this robot: nothing is commanded from here");
   if (hello.role == Role::damp) {
     damp("asked for over the network");
     peer.socket.send(framed(Type::damp, encode_text(damped_because_)), kAtOnce);

@@ -34,6 +34,8 @@ class RobotServer {
     /// In real time: a target is written as soon as it has come, and once. For a robot that moves by itself, not in
     /// `write`, and stays where the last target was.
     bool immediate = false;
+    /// Somebody else controls the robot: there are observers, and no driver.
+    bool only_observed = false;
     /// Sets the servos as a driver counts on them; says why if it cannot. Without it they are those of the profile, and
     /// no others.
     std::function<std::optional<std::string>(const Start&)> set_servos{};

@@ -18,8 +18,8 @@ constexpr std::size_t kMostKinds = 50;  ///< of what is ignored, which others ca
 
 }  // namespace
 
-LowLevel::LowLevel(const RobotModel& model, const std::string& interface)
-    : network_(interface), motors_(model), thread_([this] { run(); }) {}
+LowLevel::LowLevel(const RobotModel& model, const std::string& interface, Network::Speaks speaks)
+    : network_(interface, speaks), motors_(model), thread_([this] { run(); }) {}
 
 LowLevel::~LowLevel() {
   with_motors([](Motors& motors) { motors.damp("the bridge ends"); });

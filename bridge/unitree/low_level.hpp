@@ -23,7 +23,8 @@ class LowLevel {
  public:
   /// `model` must outlive this object. It listens, and says nothing to the motors yet.
   /// @throws InputError the model is not that of a G1, or there is no such interface
-  LowLevel(const RobotModel& model, const std::string& interface);
+  /// @param speaks whether it can ever say something
+  LowLevel(const RobotModel& model, const std::string& interface, Network::Speaks speaks);
   /// Before it ends, the motors are told to brake for a while.
   ~LowLevel();
   LowLevel(const LowLevel&) = delete;

@@ -37,6 +37,7 @@ struct Options {
   std::string robot = "g1";
   std::string listen = "127.0.0.1:7447";
   std::optional<std::filesystem::path> token;
+  bool observe = false;
 };
 
 /// Waits until `done`, for at most that long.
@@ -140,10 +141,23 @@ void agree(LowLevel& low_level, link::RobotServer& server) {
   if (damped) server.damp(because);
 }
 
+/// Only shows what the robot measures, whoever controls it.
+int show(LowLevel& low_level, link::RobotServer& server, const RobotModel& model) {
+  fmt::print("{} at {}, for drive --shadow: nothing is commanded; Ctrl-C: end\n", model.profile().name,
+             server.address().text());
+  std::fflush(stdout);
+  while (!interrupted) {
+    server.serve(kTurn);
+    tell(low_level);
+  }
+  if (const std::string ignored = low_level.ignored(); !ignored.empty()) spdlog::warn("ignored: {}", ignored);
+  return 0;
+}
+
 int serve(const Options& o) {
   const RobotModel model = RobotModel::load(o.robot);
   const std::string token = link::token_in(o.token);
-  LowLevel low_level(model, o.interface);
+  LowLevel low_level(model, o.interface, o.observe ? Network::Speaks::never : Network::Speaks::yes);
   G1 robot(model, low_level);
   link::RobotServer server(
       model, robot,
@@ -152,6 +166,7 @@ int serve(const Options& o) {
        .on = "real",
        .real_time = true,
        .immediate = true,
+       .only_observed = o.observe,
        .set_servos =
            [&](const link::Start& start) {
              const double now = low_level.now();
@@ -159,6 +174,7 @@ int serve(const Options& o) {
            },
        .log = [](const std::string& text) { spdlog::info("{}", text); }});
   meet(low_level, o.interface);
+  if (o.observe) return show(low_level, server, model);
   if (!interrupted) end_factory_gait(low_level);
   if (interrupted) return 0;
   low_level.command();
@@ -205,6 +221,8 @@ int run(int argc, char** argv) {
   app.add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();
   app.add_option("--token", o.token, "File with the secret that drivers must know");
+  app.add_flag("--observe", o.observe,
+               "Whoever controls the robot goes on: only show what it measures, to drive --shadow; no driver is taken");
   try {
     app.parse(argc, argv);
     return serve(o);

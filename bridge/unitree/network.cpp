@@ -130,16 +130,18 @@ struct Network::Entities {
   }
 };
 
-Network::Network(const std::string& interface) : entities_(std::make_unique<Entities>()) {
+Network::Network(const std::string& interface, Speaks speaks) : entities_(std::make_unique<Entities>()) {
   Entities& e = *entities_;
   const std::string configured = configuration(interface);
   if (!configured.empty()) e.domain = checked(dds_create_domain(kDomain, configured.c_str()), "its domain");
   e.participant = checked(dds_create_participant(kDomain, nullptr, nullptr), "its participant");
   const dds_entity_t commands = e.topic(unitree_hg_msg_dds__LowCmd__desc, kCommandTopic);
-  e.commands = e.writer(commands);
   e.foreign_commands = e.reader(commands, 1);
   e.states = e.reader(e.topic(unitree_hg_msg_dds__LowState__desc, kStateTopic), kDepth);
-  e.requests = e.writer(e.topic(unitree_api_msg_dds__Request__desc, kRequestTopic));
+  if (speaks == Speaks::yes) {
+    e.commands = e.writer(commands);
+    e.requests = e.writer(e.topic(unitree_api_msg_dds__Request__desc, kRequestTopic));
+  }
   e.responses = e.reader(e.topic(unitree_api_msg_dds__Response__desc, kResponseTopic), kDepth);
   e.publications = checked(dds_create_reader(e.participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                            "the list of publishers");

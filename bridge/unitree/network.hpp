@@ -23,10 +23,13 @@ class Network {
   /// What is said on the topics of this bridge and does not belong there: one line each.
   using Complain = std::function<void(const std::string&)>;
 
+  enum class Speaks { yes, never };
+
   /// @param interface name of the network interface; "": DDS chooses one
+  /// @param speaks whether it can send: one that never does publishes no topic
   /// @throws InputError there is no such interface
   /// @throws std::runtime_error DDS does not start
-  explicit Network(const std::string& interface);
+  Network(const std::string& interface, Speaks speaks);
   ~Network();
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;

@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <random>
+#include <thread>
 
 #include "baton/model/error.hpp"
 #include "baton/proving/scenario.hpp"
@@ -210,6 +212,29 @@ TEST_P(ObserverTest, OneThatTakesNothingIsLeft) {
   Observer next(robot_, "flat", {.address = served.address()});
   served.pass(1);
   EXPECT_TRUE(next.next(kLinkPatience));
+}
+
+TEST(Observer, ARobotThatSomebodyElseControlsTakesNoDriver) {
+  const RobotModel& model = test::robot("mighty");
+  const World world = World::load("flat");
+  Simulation simulation(model, world, Simulation::On::sim, Simulation::Parameters{});
+  RobotServer server(model, *simulation.simulated(),
+                     {.listen = {"127.0.0.1", 0}, .real_time = true, .only_observed = true});
+  std::atomic<bool> done{false};
+  std::thread others([&] {
+    EXPECT_THAT(complaint([&] {
+                  RemoteRobot(model, "flat", RemoteRobot::Parameters{server.address(), ""});
+                }),
+                HasSubstr("somebody else controls this robot"));
+    EXPECT_THAT(complaint([&] { damp(server.address(), ""); }), HasSubstr("somebody else controls this robot"));
+    Observer observer(model, "flat", {.address = server.address()});
+    EXPECT_TRUE(observer.next(kLinkPatience));
+    done = true;
+  });
+  while (!done)
+    server.serve(Socket::Time(1));
+  others.join();
+  EXPECT_EQ(server.state(), RobotServer::State::waiting);
 }
 
 TEST(Observer, ARobotThatDoesNotKnowOfObserversIsNotStarted) {

@@ -208,6 +208,25 @@ def test_the_remote_damps_whoever_drives_until_somebody_arms(served, buttons):
     assert braking(list(robot.heard())[-1][2])
 
 
+def test_who_only_observes_says_nothing_and_leaves_the_factory_gait(network, tmp_path):
+    report = tmp_path / "shadow.json"
+    with (
+        started(lambda n: Wire(n, gait="ai"), network) as robot,
+        started(lambda n: Bridge(n, "--observe"), network) as bridge,
+    ):
+        bridge.await_ready()
+        driver = [BATON, "drive", "--robot", "g1", "--on", bridge.address, "--state", "torques", "--world", "flat"]
+        for other in ([*driver, "--headless", "--seconds", "1"], [BATON, "damp", bridge.address]):
+            refused = network.run(*other)
+            assert refused.returncode == 1 and "somebody else controls this robot" in refused.stderr
+        done = network.run(*driver, "--shadow", "--input", "auto", "--seconds", "2", "--report", report)
+        assert done.returncode == 0, done.stderr
+        timing = json.loads(report.read_text())["timing"]
+        assert timing["measurements"] >= 390 and timing["lost"] == 0
+        assert bridge.end() == 0
+        assert robot.commands == [] and robot.asked == []
+
+
 def test_a_factory_gait_is_released_first(network):
     with started(lambda n: Wire(n, gait="ai"), network) as robot, started(Bridge, network) as bridge:
         bridge.await_log("ends the factory gait 'ai'")
