@@ -21,6 +21,7 @@ set(slow_suites
     Replay
     Reproduce
     RetracePartTest
+    RobotsStates
     Scenario
     SensorCheckRunsTest
     Session
