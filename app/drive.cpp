@@ -153,11 +153,15 @@ int drive(const DriveOptions& o) {
     session.step(command);
     return true;
   };
+  const auto drive_arms = [&](const ArmTargets& targets) {
+    remote ? remote->drive_arms(session, targets) : session.drive_arms(targets);
+  };
   Refusals refusals;
   while (!o.seconds || session.t() < *o.seconds - 0.5 * period) {
     if (interrupted && !stopping) {
       stopping = true;
       spdlog::info("coming to rest");
+      if (arms) drive_arms(released_arms(robot));
     }
     if (stopping && session.resting()) break;
     if (paced) {
@@ -168,7 +172,7 @@ int drive(const DriveOptions& o) {
     while (arms && !stopping && !engaging()) {
       const ArmTargets* targets = arms->next(session.t());
       if (targets == nullptr) break;
-      remote ? remote->drive_arms(session, *targets) : session.drive_arms(*targets);
+      drive_arms(*targets);
     }
     if (!step(stopping ? Command{} : engaging() ? kHome : inputs.decide(session.view()))) break;
     if (view && view->damp_asked() && remote) remote->damp("by the page");

@@ -21,7 +21,7 @@ constexpr double kAccelerationShare = 0.15;
 constexpr double kShortestBraking = 0.1;  ///< [s]
 constexpr double kPeakOfBraking = 1.5;    ///< largest deceleration of the brake [speed / time of braking]
 constexpr double kSettled = 1e-3;         ///< speed at which a joint counts as at rest [rad/s]
-constexpr double kWithinMargin = 0.01;          ///< by which targets stay within the margin [rad]
+constexpr double kWithinMargin = 0.01;    ///< by which targets stay within the margin [rad]
 
 /// @throws InputError no joint of an arm has that name
 int arm_joint(const RobotModel& robot, const std::string& name) {
@@ -53,9 +53,8 @@ ArmTrajectory::ArmTrajectory(const RobotModel& robot) : robot_(&robot), points_(
 ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, const VecX& q) const {
   const std::vector<double>& t = targets.t;
   const auto columns = static_cast<Eigen::Index>(targets.joints.size());
-  if (t.size() * targets.joints.size() > kMostNumbers)
-    throw InputError(fmt::format("{} times of {} joints: must be at most {} numbers at once", t.size(),
-                                 targets.joints.size(), kMostNumbers));
+  if (columns == 0 && !t.empty()) throw InputError("targets for no joints: must name at least one");
+  if (t.size() > kMostNumbers) throw InputError(fmt::format("{} times: must be at most {}", t.size(), kMostNumbers));
   if (targets.q.rows() != static_cast<Eigen::Index>(t.size()) || (!t.empty() && targets.q.cols() != columns)) {
     throw InputError(
         fmt::format("the targets are {} × {} numbers: must be {} × {}, a row for each time and a column "
@@ -72,6 +71,7 @@ ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, co
   ArmTrajectory next = *this;
   ++next.version_;
   std::vector<int> seen;
+  std::size_t known = 0;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const std::string& name = targets.joints[static_cast<std::size_t>(column)];
     const int j = arm_joint(*robot_, name);
@@ -88,15 +88,22 @@ ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, co
     const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
     const double lo = std::min(range.lo + margin, 0.5 * (range.lo + range.hi));
     const double hi = std::max(range.hi - margin, 0.5 * (range.lo + range.hi));
+    Point last;
     for (std::size_t i = 0; i < t.size(); ++i) {
-      const double target = std::clamp(targets.q(static_cast<Eigen::Index>(i), column), lo, hi);
-      if (t[i] <= points.front().t) {
-        points.front().q = target;  // it should be there by now
+      const Point point{t[i], std::clamp(targets.q(static_cast<Eigen::Index>(i), column), lo, hi)};
+      if (point.t <= now) {
+        points.front().q = point.q;  // it should be there by now
       } else {
-        points.push_back({t[i], target});
+        if (i > 0 && last.t < now)  // or on the way
+          points.front().q = last.q + (now - last.t) / (point.t - last.t) * (point.q - last.q);
+        points.push_back(point);
       }
+      last = point;
     }
+    known += points.size();
   }
+  if (known > kMostNumbers)
+    throw InputError(fmt::format("{} targets would be known of the joints: must be at most {}", known, kMostNumbers));
   return next;
 }
 

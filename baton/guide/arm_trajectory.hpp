@@ -26,18 +26,19 @@ struct ArmTargets {
 
 class ArmTrajectory {
  public:
-  /// Largest chunk, in times × joints.
+  /// Most targets that may be known of the joints that are driven, all together.
   static constexpr std::size_t kMostNumbers = 20'000;
 
   /// No joint has a target. The robot must outlive the object.
   explicit ArmTrajectory(const RobotModel& robot);
 
-  /// This trajectory up to the first time of the targets, and the targets from there on; between the two, as after the
-  /// last target, joints stay where they are to be. Targets out of a joint's range are moved to its margin.
+  /// This trajectory up to the first time of the targets, and the targets from there on. From target to target, also
+  /// from the last one that is kept to the first new one, joints move evenly; after the last one they stay. Targets out
+  /// of a joint's range are moved to its margin.
   /// @param now from when on it counts; all before is dropped [s]
   /// @param q where the joints are planned to be now (n) [rad]
-  /// @throws InputError a joint is none of an arm, or named twice; times do not increase, or are too many; a number is
-  /// not finite; the matrix has another shape
+  /// @throws InputError a joint is none of an arm, or named twice; times do not increase; they are too many; a number
+  /// is not finite; the matrix has another shape
   [[nodiscard]] ArmTrajectory continued(const ArmTargets& targets, double now, const VecX& q) const;
 
   /// Number of chunks so far.

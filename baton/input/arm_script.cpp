@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "baton/input/arm_targets_json.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
@@ -9,6 +12,7 @@
 namespace baton {
 namespace {
 
+constexpr std::array<std::string_view, 4> kArmKeys{"t", "joints", "at", "q"};
 constexpr double kSameTick = 1e-9;  // [s] tolerance for floating-point tick times
 
 }  // namespace
@@ -29,6 +33,11 @@ ArmScript ArmScript::parse(std::string_view text, const std::string& name, const
     const std::string place = fmt::format("script of arms {}: line {}", name, number);
     const nlohmann::json json = parse_json(line, place);
     const JsonReader read(json, place);
+    for (const auto& [key, value] : json.items()) {
+      if (std::ranges::find(kArmKeys, key) == kArmKeys.end())
+        throw InputError(
+            fmt::format("{}: unknown key {}: must be t, joints, at or q", place, shown(nlohmann::json(key))));
+    }
     Entry entry{read.at("t").number(), arm_targets_in(read)};
     const double earliest = entries.empty() ? 0.0 : entries.back().t;
     if (!(entry.t >= earliest)) read.at("t").fail(fmt::format("at least {}", earliest));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "baton/model/error.hpp"
 
@@ -55,8 +56,16 @@ std::string reason(const Json::exception& error) {
 
 Json parse_json(std::string_view text, const std::string& place) {
   if (depth(text) > kDeepest) throw InputError(fmt::format("{}: brackets nested too deeply", place));
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  const auto check = [&](int /*depth*/, Json::parse_event_t event, Json& value) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+      throw InputError(fmt::format("{}: {} appears twice", place, shown(value)));
+    return true;
+  };
   try {
-    return Json::parse(text.begin(), text.end());
+    return Json::parse(text.begin(), text.end(), check);
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: not JSON: {}", place, reason(error)));
   }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "baton/link/engage.hpp"
+#include "baton/model/error.hpp"
 
 namespace baton::link {
 
@@ -25,6 +26,11 @@ const Tick& Onboard::step() {
   session_.step(tick_.command);
   tick_.reading.sequence = ticks_++;
   return tick_;
+}
+
+void Onboard::drive_arms(const ArmTargets& targets) {
+  if (tick_.stale) throw InputError("the stick's positions are too old, so nothing drives the arms");
+  session_.drive_arms(targets);
 }
 
 void Onboard::driver_gone() {

@@ -29,8 +29,8 @@ class Onboard : private Sink {
   /// The stick's newest position. It knows of no tick that has not been.
   void hear(const StickPosition& stick) { stick_ = stick; }
   /// Drives the arms, from the next tick on. A stick that is too old lets go of them.
-  /// @throws InputError the targets are none of this robot
-  void drive_arms(const ArmTargets& targets) { session_.drive_arms(targets); }
+  /// @throws InputError the targets are none of this robot, or the stick is too old
+  void drive_arms(const ArmTargets& targets);
   /// There is no driver any more.
   void driver_gone();
 

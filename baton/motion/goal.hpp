@@ -23,8 +23,7 @@ enum class SegmentKind {
 inline constexpr std::size_t kSegmentKinds = static_cast<std::size_t>(SegmentKind::arms) + 1;
 
 [[nodiscard]] constexpr std::string_view to_string(SegmentKind kind) {
-  constexpr std::array<std::string_view, kSegmentKinds> names{"shift", "step",  "lift", "air",
-                                                                 "lower", "reach", "arms"};
+  constexpr std::array<std::string_view, kSegmentKinds> names{"shift", "step", "lift", "air", "lower", "reach", "arms"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -46,6 +45,8 @@ struct Goal {
   VecX arms;
   /// Of joints that are driven from outside; they do not follow `arms`. Null: there are none.
   std::shared_ptr<const ArmPath> arm_path{};
+  /// First duration that is tried, if no foot takes off or lands; none: the profile's [s].
+  std::optional<double> duration{};
 };
 
 }  // namespace baton

@@ -23,6 +23,8 @@ constexpr double kArmsOff = 0.01;       ///< distance of an arm's joint from its
 constexpr double kArmsSoonest = 0.1;    ///< from when on it is looked for, on the way, for any robot [s]
 constexpr double kArmsLook = 0.1;       ///< how far apart, for any robot [s]
 constexpr int kArmsLooks = 5;           ///< how often
+constexpr double kLetGo = 0.1;          ///< way of an arm's joint that was let go of, for any robot [s × its speed]
+constexpr double kLongestTrail = 60.0;  ///< of arms that go on and on, for any robot [s]
 constexpr double kFarther = 1.5;        ///< ratio of lengths from which a longer capture step replaces one under way
 
 bool both_stand(const BySide<bool>& contact) {
@@ -67,7 +69,12 @@ class Requests {
   [[nodiscard]] bool arms_replaceable(int at) const;
   /// Whether arms that are driven from outside are planned to be elsewhere soon than they are to be.
   /// @param at sample of the motion under way; null: where the robot rests next
-  [[nodiscard]] bool arms_stray(const int* at) const;
+  /// @param until last sample of it that is looked at
+  [[nodiscard]] bool arms_stray(const int* at, int until = 0) const;
+  /// Whether what the stick asks for has lately been found to have no motion, so that arms come first.
+  [[nodiscard]] bool stick_waits() const;
+  /// Whether a joint follows in the motion under way what it is not driven by any more.
+  [[nodiscard]] bool let_go(int joint) const;
   /// Whether soles slid farther on a way back than its margins allow.
   [[nodiscard]] bool slid_too_far() const;
   /// Whether the ground has edges where the robot is.
@@ -124,7 +131,7 @@ std::optional<Request> Requests::due() const {
   }
   if (due && !catches && !cools && refused_here(due->start.context.anchor)) due.reset();
   const bool rests = !on_the_way && !disturbed && !cools && !stops && !now_.correction.settling;
-  if (!due && rests && arms_due() && arms_stray(nullptr)) due = arms_from_rest();
+  if (rests && (!due || stick_waits()) && arms_due() && arms_stray(nullptr)) due = arms_from_rest();
   if (!due) return std::nullopt;
   due->terrain = {inclined, now_.watch.uneven()};
   return due;
@@ -189,51 +196,77 @@ Request Requests::arms_on_the_way(int at) const {
       goal.kind = SegmentKind::shift;
     }
   }
+  // What was let go of comes to rest soon.
+  for (int j = 0; j < goal.arms.size(); ++j) {
+    if (let_go(j)) goal.arms[j] = start.q[7 + j] + kLetGo * start.dq[6 + j];
+  }
+  goal.arm_path = nullptr;
+  goal.duration = (motion_->ticks() - at) * motion_->period;
+  if (goal.kind == SegmentKind::arms && request.arms) goal.duration = request.arms->duration;
   request.goal = std::make_shared<const Goal>(std::move(goal));
   request.intents = {MoveArms{}};
   return request;
 }
 
 bool Requests::arms_due() const {
-  return now_.command.recall == Recall::none && now_.tick >= now_.exchange.arms_again && !now_.arms.empty();
+  return now_.command.recall == Recall::none && now_.tick >= now_.exchange.arms_again;
+}
+
+bool Requests::stick_waits() const {
+  return now_.tick < now_.exchange.stick_again && !differs(now_.command, now_.exchange.in_vain);
+}
+
+bool Requests::let_go(int joint) const {
+  const ArmPath* path = motion_ != nullptr ? motion_->goal.arm_path.get() : nullptr;
+  return path != nullptr && !now_.arms.drives(joint) && std::ranges::find(path->joints, joint) != path->joints.end();
 }
 
 bool Requests::arms_replaceable(int at) const {
   if (!arms_due() || now_.gait == Gait::stop || now_.watch.thermometer().hot() || !course_.is<Moving>()) return false;
   const double period = profile_.tick.period;
   if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / period)) return false;
+  const bool alone = motion_->goal.kind == SegmentKind::arms;
+  // Now and then they come to rest, so that a way back has a beginning.
+  if (alone && now_.history.newest() && now_.history.newest()->ticks() > std::lround(kLongestTrail / period))
+    return false;
   const bool swings = motion_->phases.size() > 1 && motion_->goal.swing;
   const int lift_off = motion_->phases.front().ticks;
   const int change = at < lift_off ? lift_off : motion_->last_phase();
   if (swings && at < change && (change - at) * period < least_flight(profile_)) return false;
+  if (swings && at < lift_off && !motion_->goal.contact[*motion_->goal.swing]) return false;  // it would begin anew
   const ArmPath* path = motion_->goal.arm_path.get();
+  const int brakes = motion_->ticks() - (path != nullptr ? static_cast<int>(path->braking / period) : 0);
   const bool known = path != nullptr && path->version == now_.arms.version();
-  const int brakes = path != nullptr ? motion_->ticks() - static_cast<int>(path->braking / period) : motion_->ticks();
-  // A step is seldom planned again: its arms follow all that was known when it began.
-  const bool ends = at + std::lround(kReplacing / period) >= brakes && (!swings || at >= motion_->last_phase());
-  return (!known || ends) && arms_stray(&at);
+  // What only goes on where the motion brakes is followed by the next one; but the arms alone need not brake.
+  const bool ends = alone && at + std::lround(kReplacing / period) >= brakes;
+  return (!known || ends) && arms_stray(&at, ends ? motion_->ticks() : brakes);
 }
 
-bool Requests::arms_stray(const int* at) const {
+bool Requests::arms_stray(const int* at, int until) const {
   const Command& command = now_.command;
   const double period = profile_.tick.period;
-  const bool guided = is_hand(command.guide) && !command.neutral();
   const int first = at != nullptr ? *at + static_cast<int>(kArmsSoonest / period) : 0;
-  for (std::size_t j = 0; j < now_.robot.joints().size(); ++j) {
-    const int joint = static_cast<int>(j);
-    if (!now_.arms.drives(joint)) continue;
-    if (guided && std::ranges::find(now_.robot.arm(side_of(command.guide)), joint) !=
-                      now_.robot.arm(side_of(command.guide)).end())
-      continue;
+  const auto guided = [&](int joint) {
+    return std::ranges::any_of(kSides, [&](Side side) {
+      const bool by_hand =
+          (command.guide == hand(side) && !command.neutral()) || (at != nullptr && motion_->goal.hand[side]);
+      return by_hand && std::ranges::find(now_.robot.arm(side), joint) != now_.robot.arm(side).end();
+    });
+  };
+  const auto planned = [&](int index, int joint) {
+    return at == nullptr || index >= motion_->ticks() ? course_.rest().q[7 + joint]
+                                                      : motion_->samples[static_cast<std::size_t>(index)].q[7 + joint];
+  };
+  for (int joint = 0; joint < now_.robot.nv() - 6; ++joint) {
+    if (at != nullptr && let_go(joint) && std::abs(planned(motion_->ticks(), joint) - planned(first, joint)) > kArmsOff)
+      return true;
+    if (!now_.arms.drives(joint) || guided(joint)) continue;
     for (int k = 0; k < kArmsLooks; ++k) {
       const int index = first + static_cast<int>(std::lround(kArmsLook * k / period));
-      double planned = course_.rest().q[7 + joint];
-      long tick = now_.tick + index;
-      if (at != nullptr) {
-        tick -= course_.index();
-        if (index < motion_->ticks()) planned = motion_->samples[static_cast<std::size_t>(index)].q[7 + joint];
-      }
-      if (std::abs(now_.arms.at(joint, static_cast<double>(tick) * period) - planned) > kArmsOff) return true;
+      if (at != nullptr && index > until) break;
+      const long tick = now_.tick + index - (at != nullptr ? course_.index() : 0);
+      if (std::abs(now_.arms.at(joint, static_cast<double>(tick) * period) - planned(index, joint)) > kArmsOff)
+        return true;
     }
   }
   return false;
@@ -419,6 +452,8 @@ bool Requests::replaceable(int at) const {
       command.recall != Recall::none || command.neutral())
     return false;
   const Goal& goal = motion_->goal;
+  if (goal.kind == SegmentKind::arms)  // which goes on and on
+    return !stick_waits() && now_.tick >= now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period);
   const int last_phase = motion_->last_phase();
   const bool swings = motion_->phases.size() > 1 && goal.swing;
   const bool lands = swings && goal.contact[*goal.swing];

@@ -17,9 +17,11 @@ struct Exchange {
   std::shared_ptr<const Answer> answer{};  ///< the answer, once it is there
   /// The command that was answered last since the motion under way began.
   Command answered;
-  long dropped = 0;     ///< requests whose answer was not there at the take-over
-  long arms_again = 0;  ///< earliest tick of the next request for the arms alone
-  int late = 0;         ///< consecutive late answers at rest; each doubles the lookahead of the next request
+  long dropped = 0;      ///< requests whose answer was not there at the take-over
+  long stick_again = 0;  ///< until then, arms that are driven from outside come before `in_vain`
+  Command in_vain;       ///< the newest command that had no motion
+  long arms_again = 0;   ///< earliest tick of the next request for the arms alone
+  int late = 0;          ///< consecutive late answers at rest; each doubles the lookahead of the next request
 };
 
 /// The newest refusal.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kPatience = 0.05;      ///< time from a refusal at rest to the next request, for any robot [s]
 constexpr double kArmsPatience = 0.25;  ///< the same for the arms alone, also on the way, for any robot [s]
+constexpr double kStickPatience = 0.5;  ///< for which arms come before a command that has no motion, any robot [s]
 constexpr int kMostLate = 5;            ///< doublings of the lookahead at rest, when answers come too late
 
 /// Whether an answer is taken over in spite of a push or a centred stick.
@@ -68,7 +69,7 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
 void Navigator::drive_arms(const ArmTargets& targets) {
   const double now = static_cast<double>(tick_ + 1) * robot_->profile().tick.period;
   arms_ = arms_.continued(targets, now, course_.sample().q.tail(robot_->nv() - 6));
-  exchange_.arms_again = 0;
+  arms_refusal_ = nullptr;
 }
 
 void Navigator::poll() {
@@ -120,7 +121,11 @@ bool Navigator::take_over() {
   }
   // At rest nothing is lost by waiting longer for the next answer.
   exchange_.late = answer ? 0 : std::min(exchange_.late + (motion() != nullptr ? 0 : 1), kMostLate);
-  if (!answer || !valid(*answer)) return false;
+  if (!answer) return false;
+  if (!valid(*answer)) {
+    if (std::holds_alternative<MoveArms>(answer->intent)) rest_arms();
+    return false;
+  }
   if (answer->motion() != nullptr) {
     commit(answer);
     return true;
@@ -141,6 +146,9 @@ bool Navigator::valid(const Answer& answer) const {
   const Motion* next = answer.motion();
   if (next == nullptr) return true;
   if (std::holds_alternative<Retrace>(answer.intent) && history_.empty()) return false;  // a slip has ended it
+  // Who holds the stick does not wait for arms.
+  const bool alone = motion() == nullptr || motion()->goal.kind == SegmentKind::arms || command_.neutral();
+  if (arms && !alone && next->ticks() > motion()->ticks() - course_.index()) return false;
   const bool sooner = motion() == nullptr || next->ticks() < motion()->ticks() - course_.index();
   return !stops(answer.intent) || course_.is<Retracing>() || sooner;
 }
@@ -159,14 +167,16 @@ void Navigator::commit(std::shared_ptr<const Answer> answer) {
   } else {
     history_.replace_newest(answer->trail, retired_);
   }
-  if (arms || answer->motion()->goal.arm_path) {
-    const std::optional<Refusal>& limit = answer->planned()->limit;
-    note_arms(answer, arms && limit ? &*limit : nullptr);
-  }
+  const std::optional<Refusal>& why = arms ? answer->planned()->limit : answer->arms_rest;
+  if (why || answer->motion()->goal.arm_path) note_arms(answer, why ? &*why : nullptr);
   course_.commit(std::move(answer), std::move(retraced), retired_);
   if (!arms) drop_refusal();
   told_.executing = true;
   events_.add(Committed{course_.committed() - 1});
+}
+
+void Navigator::rest_arms() {
+  exchange_.arms_again = tick_ + std::lround(kArmsPatience / robot_->profile().tick.period);
 }
 
 void Navigator::note_arms(const std::shared_ptr<const Answer>& answer, const Refusal* why) {
@@ -181,10 +191,12 @@ void Navigator::refuse(const std::shared_ptr<const Answer>& answer) {
   const Refusal* refusal = answer->refusal();
   if (std::holds_alternative<MoveArms>(answer->intent)) {
     note_arms(answer, refusal);
-    exchange_.arms_again = tick_ + std::lround(kArmsPatience / robot_->profile().tick.period);
+    rest_arms();
     return;
   }
   const bool at_rest = motion() == nullptr;
+  exchange_.in_vain = answer->command;
+  exchange_.stick_again = tick_ + std::lround(kStickPatience / robot_->profile().tick.period);
   if (at_rest && refusal == nullptr) return;
   if (refusal != nullptr && (at_rest || !answer->context.stick_held)) {
     events_.add(Refused{refused_.refusal != nullptr});
@@ -216,6 +228,8 @@ void Navigator::begin_anew() {
   stabiliser_.reset();
   history_.clear();
   drop_refusal();
+  arms_ = ArmTrajectory(*robot_);  // they do not go on by themselves
+  arms_refusal_ = nullptr;
   watch_.arm();
 }
 

@@ -137,6 +137,8 @@ class Navigator {
   /// Keeps the refusal, until another command is given.
   void refuse(const std::shared_ptr<const Answer>& answer);
   void drop_refusal();
+  /// Asks for the arms alone again only after some time.
+  void rest_arms();
   /// Notes that the arms follow what drives them; or why they do not, or only in part.
   void note_arms(const std::shared_ptr<const Answer>& answer, const Refusal* why);
   /// Drops the plan, once the robot has fallen.

@@ -106,6 +106,8 @@ struct Answer {
   std::variant<std::monostate, PlannedMotion, Refusal> outcome;
   /// With a motion: the trail that it belongs to or retraces; for a partial retrace, the remaining trail.
   std::shared_ptr<const Trail> trail;
+  /// With a motion in which arms that are driven from outside come to rest: why they cannot follow.
+  std::optional<Refusal> arms_rest{};
 
   [[nodiscard]] const PlannedMotion* planned() const { return std::get_if<PlannedMotion>(&outcome); }
   [[nodiscard]] const Motion* motion() const { return planned() != nullptr ? &*planned()->motion : nullptr; }

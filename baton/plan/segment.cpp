@@ -108,9 +108,9 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
       contact_ = {only(other(*goal.swing))};
       [[fallthrough]];
     case Swing::none:
-      if (goal.kind == SegmentKind::arms) {
-        const double longest = robot.profile().duration.max;
-        first_duration_ = std::clamp(goal.arm_path->duration, first_duration_, longest);
+      if (goal.duration) {
+        const Profile::Duration& duration = robot.profile().duration;
+        first_duration_ = std::clamp(*goal.duration, duration.step, duration.max);
       }
       for (int k = 0; k <= kShiftKnots; ++k)
         wish(static_cast<double>(k) / kShiftKnots, 2 * k < kShiftKnots ? start : end, 1.0);

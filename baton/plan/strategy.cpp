@@ -53,10 +53,14 @@ Answer Strategy::plan(const Request& request) {
     limits->com_offset = request.start.context.com_offset;
   if (request.intents.empty()) return attempt(request, intent_of(request.command));
   Answer answer;
+  std::optional<Refusal> with_arms;
   for (const Intent& intent : request.intents) {
     answer = attempt(request, intent);
     if (answer.motion() != nullptr) break;
+    const auto* follows = std::get_if<Follow>(&intent);
+    if (follows != nullptr && follows->arms && answer.refusal() != nullptr) with_arms = *answer.refusal();
   }
+  if (answer.motion() != nullptr) answer.arms_rest = std::move(with_arms);
   return answer;
 }
 
@@ -224,9 +228,10 @@ Strategy::Outcome Strategy::cool(const Request& request) {
 Strategy::Outcome Strategy::move_arms(const Request& request) {
   Goal goal = request.goal ? *request.goal : guide_.staying(request.start.context, request.command.guide);
   goal.arm_path = request.arms;
+  if (!request.goal && request.arms) goal.duration = request.arms->duration;
   PlanResult whole = first_of(normal_, {goal}, request);
   const auto* against = std::get_if<Refusal>(&whole);
-  if (against == nullptr || request.goal) return outcome_of(std::move(whole));
+  if (against == nullptr || request.goal || !request.arms) return outcome_of(std::move(whole));
   // Not all of it: both arms for a shorter time, or one of them.
   const auto planned = [&](const BySide<double>& until) -> std::optional<PlannedMotion> {
     auto path = std::make_shared<ArmPath>(*request.arms);
@@ -241,6 +246,7 @@ Strategy::Outcome Strategy::move_arms(const Request& request) {
       most = std::max(most, std::abs(path->at(row, kLongestArms, kLongestArms) - path->q(row, 0)));
     }
     if (most < kLeastArms) return std::nullopt;
+    goal.duration = path->duration;
     goal.arm_path = std::move(path);
     PlanResult part = first_of(normal_, {goal}, request);
     auto* motion = std::get_if<PlannedMotion>(&part);

@@ -241,9 +241,9 @@ class Run : public Sink {
     if (targets.t.empty()) throw InputError("t has no times; release_arms() lets go of the arms");
     session_->drive_arms(targets);
   }
-  void release_arms() {
+  void release_arms(const std::optional<std::vector<std::string>>& joints) {
     const Use use(*this);
-    session_->drive_arms(released_arms(*robot_.model));
+    session_->drive_arms(joints ? ArmTargets{*joints, {}, {}} : released_arms(*robot_.model));
   }
   void recall(Recall recall) {
     check_thread();
@@ -458,7 +458,9 @@ void bind_run(nb::module_& m) {
           "  the joints stay where they are then.\n"
           "Speed and acceleration are limited, and what comes too close to something is done in part: `ArmsRefused`.\n"
           "Raises InputError.")
-      .def("release_arms", &Run::release_arms, "Let go of the arms: they come to rest.")
+      .def("release_arms", &Run::release_arms, nb::arg("joints") = nb::none(),
+           nb::sig("def release_arms(self, joints: collections.abc.Sequence[str] | None = None) -> None"),
+           "Let go of these joints of the arms, or of all (None): they come to rest.")
       .def("release", &Run::release, "Let go of the stick; levers stay.")
       .def(
           "retrace", [](Run& run) { run.recall(Recall::retrace); }, "Go back the way it came, until told otherwise.")

@@ -1,6 +1,8 @@
 /// Arms that are driven from outside.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
 
 #include "baton/model/error.hpp"
@@ -102,6 +104,181 @@ TEST_P(ArmsTest, WhatIsKnownAheadIsFollowedWhileTheRobotWalks) {
   }
   EXPECT_GT(on_target, 0.9 * all);
   EXPECT_GT((trip.posture().com - before.com).norm(), 3.0 * robot_.profile().stance.com_height);
+}
+
+TEST_P(ArmsTest, AStreamThatIsSaidAgainAndAgainDoesNotHoldUpTheStick) {
+  const double omega = 2.0 * 3.14159 * 0.5;
+  Command trunk;
+  trunk.axes[0] = 0.8;
+  Command turn;
+  turn.axes[5] = 0.8;
+  Command foot{.guide = Part::left_foot};
+  foot.axes[0] = 0.8;
+  Command lift{.guide = Part::right_foot};
+  lift.lift.right = 0.6;
+  Command reach{.guide = Part::left_hand};
+  reach.axes[2] = 0.6;
+  for (const Command& command : {trunk, turn, foot, lift, reach}) {
+    std::array<double, 4> way{};
+    for (std::size_t stream = 0; stream < way.size(); ++stream) {
+      Trip trip(robot_);
+      const Posture start = trip.posture();
+      for (int k = 0; k < ticks(6.0); ++k) {
+        const double t = k * period_;
+        const double every = std::array{0.0, 0.02, 0.1, 0.1}[stream];
+        if (stream > 0 && k % ticks(every) == 0) {
+          ArmTargets targets{joints(), {}, MatX(stream == 3 ? 1 : 20, home().size())};
+          for (int i = 0; i < targets.q.rows(); ++i) {
+            targets.t.push_back(t + 0.05 * i);
+            targets.q.row(i) = (home().array() + 0.15 * std::sin(omega * targets.t.back())).transpose();
+          }
+          trip.navigator().drive_arms(targets);
+        }
+        trip.step(command);
+      }
+      const Posture end = trip.posture();
+      const Part part = command.guide;
+      way[stream] = is_foot(part)   ? (end.sole[side_of(part)].p - start.sole[side_of(part)].p).norm()
+                    : is_hand(part) ? (end.hand[side_of(part)].p - start.hand[side_of(part)].p).norm()
+                                    : (end.com - start.com).norm() + 0.3 * std::abs(end.heading() - start.heading());
+      // A robot that reaches needs both arms; what is planned for one may wait for the other.
+      EXPECT_GT(way[stream], (is_hand(part) ? 0.5 : 0.7) * way[0])
+          << to_string(command.guide) << ' ' << command.axes.transpose() << ": " << stream;
+    }
+    EXPECT_GT(way[0], 0.015);
+  }
+}
+
+TEST_P(ArmsTest, AHandThatWasGuidedGoesBackToItsTargets) {
+  Trip trip(robot_);
+  trip.step({});
+  const VecX q = home() + VecX::Constant(home().size(), 0.15);
+  trip.navigator().drive_arms({joints(), {0.1}, q.transpose()});
+  Command reach{.guide = Part::left_hand};
+  reach.axes[2] = 1.0;
+  for (int k = 0; k < ticks(3.0); ++k)
+    trip.step(reach);
+  EXPECT_GT(off(trip), 0.05);
+  for (int k = 0; k < ticks(4.0); ++k)
+    trip.step({.guide = Part::left_hand});
+  EXPECT_LT(off(trip), 0.012);
+  EXPECT_EQ(trip.navigator().motion(), nullptr);
+}
+
+TEST_P(ArmsTest, TheyFollowWhileAFootIsUp) {
+  Trip trip(robot_);
+  Command lift{.guide = Part::right_foot};
+  lift.lift.right = 0.6;
+  for (int k = 0; k < ticks(4.0); ++k)
+    trip.step(lift);
+  ASSERT_FALSE(trip.navigator().sample().contact.right);
+  const VecX q = home() + VecX::Constant(home().size(), 0.1);
+  trip.navigator().drive_arms({joints(), {0.1}, q.transpose()});
+  for (int k = 0; k < ticks(3.0); ++k)
+    trip.step(lift);
+  EXPECT_LT(off(trip), 0.012);
+  EXPECT_FALSE(trip.navigator().sample().contact.right);
+}
+
+TEST_P(ArmsTest, WhatIsLetGoOfComesToRestWhereItIs) {
+  const int elbow = robot_.arm(Side::left).back();
+  for (const bool all : {true, false}) {
+    Trip trip(robot_);
+    trip.step({});
+    const VecX q = home() + VecX::Constant(home().size(), -0.4);
+    trip.navigator().drive_arms({joints(), {1.0}, q.transpose()});
+    double before = 0.0;
+    for (int k = 0; k < ticks(0.6); ++k) {
+      before = trip.navigator().sample().q[7 + elbow];
+      trip.step({});
+    }
+    const double now = trip.navigator().sample().q[7 + elbow];
+    ASSERT_LT(now, before - 0.1 * period_);
+    ArmTargets none = released_arms(robot_);
+    if (!all) none.joints = {robot_.joints()[static_cast<std::size_t>(elbow)].name};
+    trip.navigator().drive_arms(none);
+    for (int k = 0; k < ticks(2.0); ++k)
+      trip.step({});
+    EXPECT_NEAR(trip.navigator().sample().q[7 + elbow], now, 0.15);
+    EXPECT_EQ(trip.navigator().motion(), nullptr);
+  }
+}
+
+TEST_P(ArmsTest, EachOfWhatIsRefusedIsAnEvent) {
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Trip trip(robot_);
+  trip.step({});
+  // Angles at which an arm is inside another link.
+  Kinematics kinematics(robot_);
+  const auto impossible = [&] {
+    VecX q = trip.home().q;
+    VecX angles(home().size());
+    do {
+      Eigen::Index k = 0;
+      for (const Side side : kSides) {
+        for (const int j : robot_.arm(side)) {
+          const Range& range = robot_.joints()[static_cast<std::size_t>(j)].position;
+          q[7 + j] = angles[k++] = range.lo + uniform(random) * (range.hi - range.lo);
+        }
+      }
+      kinematics.set(q);
+    } while (kinematics.self_distance(0.0) > -0.01 * robot_.profile().stance.com_height);
+    return angles;
+  };
+  for (int trial = 0; trial < 3; ++trial) {
+    const VecX q = impossible();
+    trip.navigator().drive_arms({joints(), {trip.navigator().now() * period_ + 0.5}, q.transpose()});
+    EXPECT_EQ(trip.navigator().arms_refusal(), nullptr);
+    int refused = 0;
+    for (int k = 0; k < ticks(4.0); ++k) {
+      trip.step({});
+      if (find_event<ArmsRefused>(trip.navigator().events()) == nullptr) continue;
+      ++refused;
+      ASSERT_NE(trip.navigator().arms_refusal(), nullptr);
+    }
+    EXPECT_GE(refused, 1) << trial;
+    EXPECT_LE(refused, 3) << trial;
+  }
+  trip.navigator().drive_arms(released_arms(robot_));
+  EXPECT_EQ(trip.navigator().arms_refusal(), nullptr);
+}
+
+TEST_P(ArmsTest, ATrajectoryIsWhatWasSaidLastFromItsFirstTimeOn) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const int joint = robot_.arm(Side::left).front();
+  const std::string name = robot_.joints()[static_cast<std::size_t>(joint)].name;
+  const double mid = robot_.joints()[static_cast<std::size_t>(joint)].home;
+  const VecX q = VecX::Constant(robot_.nv() - 6, mid);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double now = 10.0 * uniform(random);
+    const auto draw = [&](double first) {
+      ArmTargets targets{{name}, {}, MatX(1 + static_cast<Eigen::Index>(random() % 6), 1)};
+      double t = first;
+      for (Eigen::Index i = 0; i < targets.q.rows(); ++i) {
+        targets.t.push_back(t);
+        targets.q(i, 0) = mid + 0.1 * uniform(random);
+        t += 0.05 + uniform(random);
+      }
+      return targets;
+    };
+    const ArmTargets first = draw(now + 2.0 * uniform(random) - 1.0);
+    const ArmTrajectory one = ArmTrajectory(robot_).continued(first, now, q);
+    const ArmTrajectory both = one.continued(draw(now + 1.0 + uniform(random)), now + 0.5, q);
+    for (int k = 0; k < 20; ++k) {
+      // Where a target was said, it is; from target to target evenly, those before now included.
+      const double t = now + 6.0 * uniform(random);
+      const auto after = std::ranges::upper_bound(first.t, t);
+      if (after == first.t.begin()) continue;
+      const auto i = static_cast<Eigen::Index>(after - first.t.begin()) - 1;
+      double expected = first.q(i, 0);
+      if (after != first.t.end())
+        expected += (t - *std::prev(after)) / (*after - *std::prev(after)) * (first.q(i + 1, 0) - first.q(i, 0));
+      ASSERT_NEAR(one.at(joint, t), expected, 1e-9) << now << ' ' << t;
+    }
+    ASSERT_NEAR(both.at(joint, now + 0.5), one.at(joint, now + 0.5), 1e-9);
+  }
 }
 
 TEST_P(ArmsTest, WhatTheyDidIsRetraced) {
@@ -209,7 +386,8 @@ TEST_P(ArmsTest, TargetsThatAreNoneAreRefusedAndNothingChanges) {
   for (const ArmTargets& targets :
        {ArmTargets{{leg}, {1.0}, one}, ArmTargets{{"no such joint"}, {1.0}, one}, ArmTargets{{joint}, {nan}, one},
         ArmTargets{{joint}, {1.0}, MatX::Constant(1, 1, nan)}, ArmTargets{{joint}, {1.0, 1.0}, MatX::Zero(2, 1)},
-        ArmTargets{{joint, joint}, {1.0}, MatX::Zero(1, 2)}, ArmTargets{{joint}, {1.0}, MatX::Zero(2, 1)}})
+        ArmTargets{{joint, joint}, {1.0}, MatX::Zero(1, 2)}, ArmTargets{{joint}, {1.0}, MatX::Zero(2, 1)},
+        ArmTargets{{}, {1.0}, MatX::Zero(1, 0)}})
     EXPECT_THROW(trip.navigator().drive_arms(targets), InputError);
   EXPECT_TRUE(trip.navigator().arms().empty());
 }

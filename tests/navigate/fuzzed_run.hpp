@@ -48,6 +48,7 @@ class FuzzedRun {
         period_(robot.profile().tick.period),
         second_(std::lround(std::sqrt(robot.profile().stance.com_height / 0.26) / period_)),
         dice_(seed),
+        arms_dice_(seed + 1'000'000),
         stick_(seed, period_),
         modes_{.gait = seed % 4 == 0 ? Gait::stop : Gait::flow},
         source_(seed % 2 == 0 ? StateSource::perfect : StateSource::sensors),
@@ -88,6 +89,7 @@ class FuzzedRun {
     Navigator again(robot_, world_, home_, modes_.gait, source_);
     Strategy strategy(robot_, world_, modes_);
     for (const Tick& tick : ticks_) {
+      if (tick.arms) again.drive_arms(*tick.arms);
       ASSERT_EQ(checksum(again.tick(tick.measurement, tick.command)), tick.checksum) << "tick " << again.now();
       again.poll();
       for (const Event& event : tick.events) {
@@ -140,6 +142,7 @@ class FuzzedRun {
 
   /// One tick as it was given.
   struct Tick {
+    std::optional<ArmTargets> arms;  ///< before it
     Measurement measurement;
     Command command;
     std::vector<Event> events;  ///< after it
@@ -159,6 +162,10 @@ class FuzzedRun {
     if (navigator_.guard() == Guard::fallen && dice_.percent(at_random ? 1 : 100) && !stood_)
       body_ = IdealRobot(robot_, home_, period_);
     stood_ = navigator_.guard() == Guard::fallen && !at_random;
+    if (at_random && arms_dice_.percent(2)) {
+      tick.arms = arms_at_random();
+      navigator_.drive_arms(*tick.arms);
+    }
     tick.measurement = body_.read();
     spoil(tick.measurement);
     tick.command = command;
@@ -174,6 +181,23 @@ class FuzzedRun {
     navigator_.poll();
     deliver(tick);
     if (!at_random || !dice_.percent(20)) ask(tick, at_random);  // or the planner is busy
+  }
+
+  /// Some joints, one or more times of which some may be over, any angles; or they are let go of.
+  ArmTargets arms_at_random() {
+    ArmTargets targets;
+    for (const std::string& joint : released_arms(robot_).joints) {
+      if (arms_dice_.percent(60)) targets.joints.push_back(joint);
+    }
+    if (targets.joints.empty() || arms_dice_.percent(20)) return targets;
+    double t = static_cast<double>(navigator_.now()) * period_ + 0.3 * arms_dice_.axis();
+    for (int n = arms_dice_.between(1, 8); n > 0; --n)
+      targets.t.push_back(t += 0.01 + 0.3 * arms_dice_.share());
+    targets.q.resize(std::ssize(targets.t), std::ssize(targets.joints));
+    const double size = arms_dice_.percent(70) ? 0.5 : 4.0;
+    for (double& angle : targets.q.reshaped())
+      angle = size * arms_dice_.axis();
+    return targets;
   }
 
   void new_trouble() {
@@ -399,6 +423,7 @@ class FuzzedRun {
   double period_;
   long second_;  ///< ticks of a second, for a robot as large as mighty
   Dice dice_;
+  Dice arms_dice_;
   Stick stick_;
   Modes modes_;
   StateSource source_;
