@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
+
 #include "app/inputs.hpp"
 #include "app/options.hpp"
 #include "baton/link/echoed_planning.hpp"
@@ -14,6 +16,7 @@ namespace baton::app {
 namespace {
 
 constexpr double kSettled = 0.5;       ///< time of rest after which a robot has taken its stance, or cannot [s]
+constexpr double kLow = 0.2;           ///< charge of a battery of which the driver is warned
 constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which a run ends [s]
 
 }  // namespace
@@ -116,6 +119,8 @@ void RemoteEnd::look_engaged(const Session& session) {
 }
 
 void RemoteEnd::warn() {
+  if (remote_->battery() < kLow && !std::exchange(low_, true))
+    spdlog::warn("the robot's battery is at {:.0f} %", 100.0 * remote_->battery());
   if (remote_->rejected() > 0 && !std::exchange(told_, true))
     spdlog::warn("the robot has rejected a target: {}", remote_->rejection());
   if (!welcome().navigates || remote_->tick().stale == stale_) return;
@@ -133,6 +138,7 @@ nlohmann::json RemoteEnd::json() const {
           {"navigates", welcome().navigates},
           {"rejected", remote_->rejected()},
           {"stale", remote_->stale()},
+          {"battery", std::isfinite(remote_->battery()) ? nlohmann::json(remote_->battery()) : nlohmann::json()},
           {"broken", broken_}};
 }
 

@@ -59,6 +59,7 @@ class RemoteEnd {
   long rested_ = 0;    ///< ticks, while engaging
   bool told_ = false;  ///< that the robot has rejected a target
   bool stale_ = false;
+  bool low_ = false;     ///< its battery, which has been logged
   bool damped_ = false;  ///< that has been asked for
   std::string broken_;
 };

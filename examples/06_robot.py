@@ -24,6 +24,7 @@ STANCE = {f"{side}_{joint}": angle for side in ("left", "right") for joint, angl
 N = len(STANCE)
 UPRIGHT = [1, 0, 0, 0, 1, 0, 0, 0, 1]  # attitude of the IMU, row by row
 UNKNOWN = [math.nan] * 12  # no force sensors under the soles
+BATTERY = 0.9  # charge, 0 to 1; math.nan: unknown
 
 
 def send(connection, kind, body):
@@ -55,7 +56,7 @@ def serve(connection):
     tick = 0
     while True:
         gravity = random.gauss(9.81, 0.02)  # a sensor that always says the same is doubted
-        numbers = [tick * PERIOD, 0.0, math.nan, *q, *dq, *tau, *UPRIGHT, 0, 0, 0, 0, 0, gravity, *UNKNOWN]
+        numbers = [tick * PERIOD, 0.0, BATTERY, *q, *dq, *tau, *UPRIGHT, 0, 0, 0, 0, 0, gravity, *UNKNOWN]
         send(connection, MEASUREMENT, struct.pack(f"<QII{len(numbers)}d", tick, 0, 0, *numbers))
         kind, body = receive(connection)
         if kind != TARGET:  # handed back

@@ -15,7 +15,7 @@ Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Para
   session_.add(*this);
 }
 
-const Tick& Onboard::step() {
+const Tick& Onboard::step(double battery) {
   const std::uint64_t newest = ticks_;
   const double age = stick_ ? static_cast<double>(newest - stick_->seen) * model_->profile().tick.period : 0.0;
   const bool was_stale = tick_.stale;
@@ -24,6 +24,7 @@ const Tick& Onboard::step() {
   if (tick_.stale && !was_stale) session_.drive_arms(released_arms(*model_));
   tick_.planning.clear();
   session_.step(tick_.command);
+  tick_.reading.battery = battery;
   tick_.reading.sequence = ticks_++;
   return tick_;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "baton/link/message.hpp"
@@ -35,8 +36,9 @@ class Onboard : private Sink {
   void driver_gone();
 
   /// Runs a tick.
+  /// @param battery of the robot, for who reads the tick: 0 to 1; NaN: unknown
   /// @returns what was done: `tick`
-  const Tick& step();
+  const Tick& step(double battery = std::numeric_limits<double>::quiet_NaN());
   /// The last tick.
   [[nodiscard]] const Tick& tick() const { return tick_; }
 

@@ -77,6 +77,8 @@ class RemoteRobot : public Robot {
   void damp(const std::string& because);
 
   [[nodiscard]] const Welcome& welcome() const { return welcome_; }
+  /// Charge of its battery, 0 to 1; NaN: unknown.
+  [[nodiscard]] double battery() const { return reading_.battery; }
   /// Whether the robot's motors only brake, and follow nothing.
   [[nodiscard]] bool damped() const { return reading_.damped; }
   /// Why, as far as the robot has said so.

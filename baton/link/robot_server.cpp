@@ -346,10 +346,11 @@ std::optional<std::string> RobotServer::judge(const Target& target) {
 }
 
 void RobotServer::move() {
+  if (parameters_.remote != nullptr) reading_.battery = parameters_.remote->battery();
   if (state_ == State::damped) {
     brake();
   } else if (onboard_) {
-    reading_ = onboard_->step().reading;
+    reading_ = onboard_->step(reading_.battery).reading;
     return log_changes();
   } else if (!answered()) {
     target_.dq.setZero();  // nothing to follow: it stays where the last good target was

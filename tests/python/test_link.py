@@ -251,4 +251,13 @@ def test_a_robot_in_python_is_driven_by_its_torques(tmp_path):
     assert result["on"] == "real"
     assert result["segments"]["committed"] > 20
     assert result["segments"]["refused"] == {} and result["sensors"] == {}
+    assert result["link"]["battery"] == 0.9
     assert result["final"] is None  # as it has no truth
+
+
+def test_the_driver_is_warned_of_a_low_battery(tmp_path):
+    weak = tmp_path / "weak.py"
+    weak.write_text((ROOT / "examples" / "06_robot.py").read_text().replace("BATTERY = 0.9", "BATTERY = 0.12"))
+    with RobotsEnd(sys.executable, weak, "0") as end:
+        done = drive(end.address, 1, "--state", "torques")
+    assert done.returncode == 0 and done.stderr.count("the robot's battery is at 12 %") == 1, done.stderr
