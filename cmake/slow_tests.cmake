@@ -3,6 +3,7 @@
 # minute or more on two cores, the suite belongs here.
 set(slow_suites
     AllocationTest
+    ArmsTest
     Calibrate
     CalibrateTest
     Check
