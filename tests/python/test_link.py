@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 
+import link_faults
 import pytest
 from robots_end import BATON, ROOT, RobotsEnd
 
@@ -261,3 +262,8 @@ def test_the_driver_is_warned_of_a_low_battery(tmp_path):
     with RobotsEnd(sys.executable, weak, "0") as end:
         done = drive(end.address, 1, "--state", "torques")
     assert done.returncode == 0 and done.stderr.count("the robot's battery is at 12 %") == 1, done.stderr
+
+
+def test_a_connection_that_is_cut_in_between_leaves_nothing_broken(tmp_path):
+    fault, wrong = link_faults.run(3, tmp_path, "mighty")
+    assert fault.kind == "cut" and not wrong
