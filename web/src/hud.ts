@@ -145,7 +145,8 @@ export class Hud {
 
     const goal = state.goal;
     const fallen = state.state === 'fallen';
-    const segment = goal && `${goal.kind}: ${inWords(goal.swing ? `${goal.swing}_foot` : goal.guided)}`;
+    const part = goal && inWords(goal.swing ? `${goal.swing}_foot` : goal.guided);
+    const segment = goal && (goal.kind === 'arms' ? 'arms: driven from outside' : `${goal.kind}: ${part}`);
     text('segment', fallen ? 'fallen' : (segment ?? 'at rest'));
     text('phase', fallen ? '' : support(state.contact));
     text('time', `${state.t.toFixed(1)} s`);
