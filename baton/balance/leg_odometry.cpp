@@ -9,6 +9,7 @@ namespace {
 constexpr double kVelocityRate = 1.5;      ///< at which the velocity follows that of the soles in contact [ω]
 constexpr double kUsualOff = 0.03;         ///< beyond this it follows more slowly [COM height × ω]
 constexpr double kUnusual = 0.3;           ///< share of that rate there
+constexpr double kWrong = 0.06;            ///< beyond this the IMU may be wrong: it follows as fast [COM height × ω]
 constexpr double kMoves = 0.03;            ///< speed from which a sole in contact is taken to move [COM height × ω]
 constexpr double kFootholdRate = 1.6;      ///< at which the foothold of a sole with little load follows the sole [ω]
 constexpr double kLightHeightRate = 16.0;  ///< added for its height, with no load at all: it may not stand yet [ω]
@@ -53,13 +54,15 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
     place_ = place;
     const double unit = robot_->omega() * robot_->profile().stance.com_height;
     const Vec3 off = velocity - velocity_;
-    const Vec3 follows = bounded(off, kUsualOff * unit) + kUnusual * beyond(off, kUsualOff * unit);
+    const Vec3 follows = bounded(off, kUsualOff * unit) + kUnusual * beyond(off, kUsualOff * unit) +
+                         (1.0 - kUnusual) * beyond(off, kWrong * unit);
     velocity_ += first ? off : Vec3(period_ * kVelocityRate * robot_->omega() * follows);
-    // Faster than the velocity can be wrong: the sole slides, or a motor crosses its play, and the root does not move.
+    // Faster than the velocity is usually wrong: the sole slides, or a motor crosses its play, and the root does not
+    // move. Much faster than that moves what is estimated by an accelerometer that is wrong, not the sole.
     for (const Side side : kSides) {
       if (share(side) < kPivots || !touched_before_[side] || first) continue;
       const Vec3 moves = beyond(Vec3(velocity_ + velocity_from_root[side]), kMoves * unit);
-      foothold_[side].head<2>() += period_ * moves.head<2>();
+      if (moves.norm() <= kWrong * unit) foothold_[side].head<2>() += period_ * moves.head<2>();
     }
   } else {
     place_ += period_ * velocity_;

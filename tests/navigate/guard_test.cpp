@@ -149,7 +149,7 @@ TEST_P(GuardTest, WhoIsPushedWhileAnAnswerIsAwaitedDoesNotBeginWhatItBrings) {
   navigator.answer(trip_.strategy().plan(*request));
   while (navigator.now() < request->at) {
     Measurement measurement = trip_.body().read();
-    leaning(0.03, true, 1.0)(measurement);
+    leaning(0.03, true, 2.0)(measurement);  // a jolt, which the specific force does not show
     navigator.tick(measurement, forward());
     navigator.poll();
   }
