@@ -251,6 +251,32 @@ TEST_P(SensorCheckRunsTest, GlitchesNeitherTipARobotThatStandsNorOneThatWalks) {
   }
 }
 
+TEST_P(SensorCheckRunsTest, AccelerometersWithTwoAxesExchangedMakeNoWalkingRobotFall) {
+  const double second = std::sqrt(robot_.profile().stance.com_height / 0.26);
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Simulation::Parameters parameters;
+    parameters.physics.plant = real_plant(robot_, seed);
+    Simulation simulation(robot_, flat_, On::sim, parameters);
+    GlitchyRobot glitchy(*simulation.simulated());
+    Session session(robot_, flat_, glitchy, stand(robot_, flat_.site("start"), robot_.profile().stance.com_height));
+    Command ahead;
+    ahead.axes[0] = 1.0;
+    std::mt19937_64 random(seed);
+    double from = second;
+    while (session.t() < 15.0 * second && !session.fallen()) {
+      if (session.t() > from + 0.17 * second)
+        from = session.t() + second * std::uniform_real_distribution<double>(0.6, 1.5)(random);
+      const bool wrong = session.t() >= from;
+      glitchy.spoil = [&](Measurement& m) {
+        if (wrong) std::swap(m.imu.acceleration.x(), m.imu.acceleration.z());
+      };
+      session.step(ahead);
+    }
+    EXPECT_FALSE(session.fallen()) << "seed " << seed << " at " << session.t() << " s";
+    EXPECT_GT(session.navigator().committed(), 10);
+  }
+}
+
 TEST(SensorCheck, ARobotThatReturnsVectorsOfAnotherLengthIsNamed) {
   const RobotModel& robot = test::robot("mighty");
   const World flat = World::load("flat");
