@@ -71,7 +71,6 @@ ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, co
   ArmTrajectory next = *this;
   ++next.version_;
   std::vector<int> seen;
-  std::size_t known = 0;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const std::string& name = targets.joints[static_cast<std::size_t>(column)];
     const int j = arm_joint(*robot_, name);
@@ -100,8 +99,10 @@ ArmTrajectory ArmTrajectory::continued(const ArmTargets& targets, double now, co
       }
       last = point;
     }
-    known += points.size();
   }
+  std::size_t known = 0;
+  for (const std::vector<Point>& points : next.points_)
+    known += points.size();
   if (known > kMostNumbers)
     throw InputError(fmt::format("{} targets would be known of the joints: must be at most {}", known, kMostNumbers));
   return next;
