@@ -44,7 +44,19 @@ std::optional<Target> Guide::target(const GuideContext& context, const Command& 
 
 GuideResult Guide::goals(const GuideContext& context, const Target& target) const {
   if (is_foot(target.part)) return guide_foot(context, target);
-  return target.part == Part::trunk ? guide_trunk(context, target) : guide_hand(context, target);
+  if (is_hand(target.part)) return guide_hand(context, target);
+  GuideResult result = guide_trunk(context, target);
+  auto* goals = std::get_if<std::vector<Goal>>(&result);
+  const VecX arms = stay(context, target.part).arms;
+  if (goals == nullptr || goals->empty() || (goals->front().arms - arms).cwiseAbs().maxCoeff() < kSameYaw)
+    return result;
+  // Where arms cannot go home, as past the trunk, they stay.
+  const std::size_t count = goals->size();
+  for (std::size_t i = 0; i < count; ++i) {
+    goals->push_back((*goals)[i]);
+    goals->back().arms = arms;
+  }
+  return result;
 }
 
 Target Guide::part_of(const GuideContext& context, const Target& target, double share) const {

@@ -81,7 +81,9 @@ Answer Strategy::attempt(const Request& request, const Intent& intent) {
     if (answer.motion() != nullptr) answer.trail = trail_with(request.start, *answer.motion());
   } else if (const auto* alone = std::get_if<Follow>(&intent); alone != nullptr && !alone->arms) {
     Request without = request;
-    without.arms = nullptr;
+    auto path = std::make_shared<ArmPath>(*request.arms);
+    path->until.setZero();
+    without.arms = std::move(path);
     return attempt(without, Follow{});
   } else {
     answer.outcome = follow_or_stop(request, stops(answer.intent));
