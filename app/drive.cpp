@@ -72,9 +72,8 @@ int drive(const DriveOptions& o) {
   std::optional<ArmScript> arms;
   std::optional<std::filesystem::path> arms_file;
   if (o.arms) {
-    constexpr std::string_view kScript = "script:";
-    if (!o.arms->starts_with(kScript)) throw InputError(fmt::format("--arms {}: must be script:FILE", *o.arms));
-    arms_file = o.arms->substr(kScript.size());
+    arms_file = script_in(*o.arms);
+    if (!arms_file) throw InputError(fmt::format("--arms {}: must be script:FILE", *o.arms));
     arms = ArmScript::load(*arms_file, robot);
   }
   const double period = robot.profile().tick.period;

@@ -36,10 +36,10 @@ Inputs::Inputs(const std::string& choice, bool fast) : choice_(choice) {
     devices_.push_back(device.get());
 }
 
-std::optional<std::filesystem::path> Inputs::script() const {
+std::optional<std::filesystem::path> script_in(const std::string& choice) {
   const std::string script = "script:";
-  if (!choice_.starts_with(script)) return std::nullopt;
-  return choice_.substr(script.size());
+  if (!choice.starts_with(script)) return std::nullopt;
+  return choice.substr(script.size());
 }
 
 void Inputs::add_page(Device& page) {

@@ -23,6 +23,9 @@ auto named_in(const std::string& place, const Load& load) {
   }
 }
 
+/// FILE of "script:FILE"; none: it is something else.
+[[nodiscard]] std::optional<std::filesystem::path> script_in(const std::string& choice);
+
 class Inputs : public Device {
  public:
   /// @param choice auto, joystick, page or script:FILE
@@ -34,7 +37,7 @@ class Inputs : public Device {
   void add_page(Device& page);
 
   /// The script's file, if the choice is a script.
-  [[nodiscard]] std::optional<std::filesystem::path> script() const;
+  [[nodiscard]] std::optional<std::filesystem::path> script() const { return script_in(choice_); }
 
   /// The newest command of the active device: an armed one stays active until it is at rest and another one is not.
   /// After a stop, a live device that is still deflected counts again only once it has been released.

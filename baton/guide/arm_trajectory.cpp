@@ -25,16 +25,13 @@ constexpr double kWithinMargin = 0.01;    ///< by which targets stay within the 
 
 /// @throws InputError no joint of an arm has that name
 int arm_joint(const RobotModel& robot, const std::string& name) {
-  std::vector<std::string> names;
   for (const Side side : kSides) {
     for (const int j : robot.arm(side)) {
-      const Joint& joint = robot.joints()[static_cast<std::size_t>(j)];
-      if (joint.name == name) return j;
-      names.push_back(joint.name);
+      if (robot.joints()[static_cast<std::size_t>(j)].name == name) return j;
     }
   }
   throw InputError(fmt::format("joint {:?} is none of an arm of {}: must be one of {}", name, robot.profile().name,
-                               fmt::join(names, ", ")));
+                               fmt::join(released_arms(robot).joints, ", ")));
 }
 
 }  // namespace

@@ -62,6 +62,12 @@ class Requests {
   /// A capture step, if no shift of the ZMP can hold the DCM.
   [[nodiscard]] std::optional<Request> catching() const;
 
+  /// What the goal of the motion under way is relative to, in the place and for the stick that `context` has.
+  void make_same_step(GuideContext& context) const;
+  /// Whether a request was made too short a time ago for the motion under way to be replaced.
+  [[nodiscard]] bool asked_lately() const;
+  /// Whether a foot is about to leave the ground, or to land: the ZMP would have to jump.
+  [[nodiscard]] bool contact_changes_soon(int at) const;
   [[nodiscard]] bool replaceable(int at) const;
   /// Whether the arms may be asked for now.
   [[nodiscard]] bool arms_due() const;
@@ -184,11 +190,7 @@ Request Requests::arms_on_the_way(int at) const {
   GuideContext& context = request.start.context;
   Goal goal = motion_->goal;
   if (swings && !landed) {  // the same step again
-    const Pose anchor = context.anchor;
-    const Vec2 com_offset = context.com_offset;
-    context = course_.answer()->context;
-    context.anchor = anchor;
-    context.com_offset = com_offset;
+    make_same_step(context);
   } else {
     goal.drift_correction = {};  // the slip-free frame has it already
     if (landed && both_stand(goal.contact)) {
@@ -223,17 +225,13 @@ bool Requests::let_go(int joint) const {
 
 bool Requests::arms_replaceable(int at) const {
   if (!arms_due() || now_.gait == Gait::stop || now_.watch.thermometer().hot() || !course_.is<Moving>()) return false;
+  if (asked_lately() || contact_changes_soon(at)) return false;
   const double period = profile_.tick.period;
-  if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / period)) return false;
   const bool alone = motion_->goal.kind == SegmentKind::arms;
   // Now and then they come to rest, so that a way back has a beginning.
   if (alone && now_.history.newest() && now_.history.newest()->ticks() > std::lround(kLongestTrail / period))
     return false;
-  const bool swings = motion_->phases.size() > 1 && motion_->goal.swing;
-  const int lift_off = motion_->phases.front().ticks;
-  const int change = at < lift_off ? lift_off : motion_->last_phase();
-  if (swings && at < change && (change - at) * period < least_flight(profile_)) return false;
-  if (swings && at < lift_off && !motion_->goal.contact[*motion_->goal.swing]) return false;  // it would begin anew
+  if (in_first_phase_of_swing(at) && !motion_->goal.contact[*motion_->goal.swing]) return false;  // it would begin anew
   const ArmPath* path = motion_->goal.arm_path.get();
   const int brakes = motion_->ticks() - (path != nullptr ? static_cast<int>(path->braking / period) : 0);
   const bool known = path != nullptr && path->version == now_.arms.version();
@@ -288,6 +286,14 @@ Request Requests::replacing(int at) const {
   return request;
 }
 
+void Requests::make_same_step(GuideContext& context) const {
+  GuideContext same = course_.answer()->context;
+  same.anchor = context.anchor;
+  same.com_offset = context.com_offset;
+  same.stick_held = context.stick_held;
+  context = std::move(same);
+}
+
 Request Requests::on_the_way(int at) const {
   const Goal& goal = motion_->goal;
   const Answer& answer = *course_.answer();
@@ -309,13 +315,7 @@ Request Requests::on_the_way(int at) const {
   if (several && at >= last_phase && both_end) return request;  // on from the rest that the step leads to
   if (several) {
     // The same step again, to another goal.
-    const Pose anchor = context.anchor;
-    const Vec2 com_offset = context.com_offset;
-    const bool held = context.stick_held;
-    context = answer.context;
-    context.anchor = anchor;
-    context.com_offset = com_offset;
-    context.stick_held = held;
+    make_same_step(context);
     const int joints = now_.robot.nv() - 6;
     context.from.q.tail(joints) = motion_->end.q.tail(joints);
     if (start.flight && both_stand(context.from.contact)) {
@@ -368,7 +368,7 @@ std::optional<Request> Requests::stopping(int at) const {
     return request;
   }
   const Exchange& exchange = now_.exchange;
-  const bool asked = exchange.for_stop && now_.tick < exchange.asked_at + std::lround(kReplacing / motion_->period);
+  const bool asked = exchange.for_stop && asked_lately();
   if (course_.is<Halting>() || course_.is<Stopping>() || asked) return std::nullopt;
   return ending(at);
 }
@@ -446,6 +446,17 @@ std::optional<Request> Requests::catching() const {
   return request;
 }
 
+bool Requests::asked_lately() const {
+  return now_.tick < now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period);
+}
+
+bool Requests::contact_changes_soon(int at) const {
+  const int lift_off = motion_->phases.front().ticks;
+  const int change = at < lift_off ? lift_off : motion_->last_phase();
+  const bool swings = motion_->phases.size() > 1 && motion_->goal.swing;
+  return swings && at < change && (change - at) * profile_.tick.period < least_flight(profile_);
+}
+
 bool Requests::replaceable(int at) const {
   const Command& command = now_.command;
   if (now_.gait == Gait::stop || now_.watch.thermometer().hot() || course_.is<Retracing>() || course_.is<Halting>() ||
@@ -453,7 +464,7 @@ bool Requests::replaceable(int at) const {
     return false;
   const Goal& goal = motion_->goal;
   if (goal.kind == SegmentKind::arms)  // which goes on and on
-    return !stick_waits() && now_.tick >= now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period);
+    return !stick_waits() && !asked_lately();
   const int last_phase = motion_->last_phase();
   const bool swings = motion_->phases.size() > 1 && goal.swing;
   const bool lands = swings && goal.contact[*goal.swing];
@@ -461,10 +472,7 @@ bool Requests::replaceable(int at) const {
   const bool foot_again = is_foot(command.guide) && !differs(command, course_.answer()->command);
   const int continues_at = !lands ? (last_phase + motion_->ticks()) / 2 : (foot_again ? motion_->ticks() : last_phase);
   if (at == continues_at && !command.axes.isZero(0.0)) return true;
-  if (now_.tick < now_.exchange.asked_at + std::lround(kReplacing / profile_.tick.period)) return false;
-  const int lift_off = motion_->phases.front().ticks;
-  const int change = at < lift_off ? lift_off : last_phase;
-  if (swings && at < change && (change - at) * profile_.tick.period < least_flight(profile_)) return false;
+  if (asked_lately() || contact_changes_soon(at)) return false;
   // A released stick and an unmoved lever: the motion under way serves.
   if (command.axes.isZero(0.0) && !lever_moved(command, now_.exchange.answered)) return false;
   return at > continues_at || differs(command, now_.exchange.answered);

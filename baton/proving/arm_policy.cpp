@@ -27,11 +27,10 @@ ArmPolicy::ArmPolicy(const RobotModel& robot, std::uint64_t seed)
       began_(kAhead - kPath),
       known_(kAhead) {
   for (const Side side : kSides) {
-    for (const int j : robot.arm(side)) {
+    for (const int j : robot.arm(side))
       joints_.push_back(j);
-      targets_.joints.push_back(robot.joints()[static_cast<std::size_t>(j)].name);
-    }
   }
+  targets_ = released_arms(robot);
   to_.resize(std::ssize(joints_));
   for (std::size_t k = 0; k < joints_.size(); ++k)
     to_[static_cast<Eigen::Index>(k)] = robot.joints()[static_cast<std::size_t>(joints_[k])].home;

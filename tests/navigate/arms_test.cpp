@@ -17,14 +17,7 @@ using test::Trip;
 class ArmsTest : public testing::TestWithParam<const char*> {
  protected:
   /// Names of the joints of both arms.
-  [[nodiscard]] std::vector<std::string> joints() const {
-    std::vector<std::string> names;
-    for (const Side side : kSides) {
-      for (const int j : robot_.arm(side))
-        names.push_back(robot_.joints()[static_cast<std::size_t>(j)].name);
-    }
-    return names;
-  }
+  [[nodiscard]] std::vector<std::string> joints() const { return released_arms(robot_).joints; }
   [[nodiscard]] VecX home() const {
     VecX q(static_cast<Eigen::Index>(joints().size()));
     Eigen::Index k = 0;
