@@ -20,6 +20,21 @@ afterAll(async () => {
   await stop(baton);
 });
 
+/** Expects every element that is seen on the phone to lie on its screen, and the seat's row in its card. */
+async function within(width: number, height: number): Promise<void> {
+  const visible = await phone.locator('.card, #seat > :not([hidden]), #run button').all();
+  for (const element of visible) {
+    const box = await element.boundingBox();
+    if (!box) continue; // hidden meanwhile: the seat was taken
+    expect(Math.min(box.x, box.y)).toBeGreaterThanOrEqual(0);
+    expect(box.x + box.width).toBeLessThanOrEqual(width);
+    expect(box.y + box.height).toBeLessThanOrEqual(height);
+  }
+  const seat = (await phone.locator('#seat').boundingBox())!;
+  const help = (await phone.locator('#help-button').boundingBox())!;
+  expect(help.x + help.width).toBeLessThanOrEqual(seat.x + seat.width);
+}
+
 describe('on a phone', () => {
   for (const [width, height] of [
     [390, 844],
@@ -30,15 +45,14 @@ describe('on a phone', () => {
       phone = await browser.newPage({ viewport: { width, height }, hasTouch: true, isMobile: true });
       await phone.goto(url);
       await does(phone, 'rest');
-      const visible = await phone.locator('.card, #seat > :not([hidden]), #run button').all();
-      for (const element of visible) {
-        const box = await element.boundingBox();
-        if (!box) continue; // hidden meanwhile: the seat was taken
-        const { x, y, width: wide, height: high } = box;
-        expect(Math.min(x, y)).toBeGreaterThanOrEqual(0);
-        expect(x + wide).toBeLessThanOrEqual(width);
-        expect(y + high).toBeLessThanOrEqual(height);
-      }
+      await within(width, height);
+      await phone.click('#take'); // the row of buttons is widest while nobody drives
+      await phone.waitForFunction(
+        () => document.querySelector('#role')?.textContent === 'nobody drives',
+        null,
+        patience,
+      );
+      await within(width, height);
       const covered = await phone.evaluate(() => {
         const boxes = [...document.querySelectorAll('.card')].map((card) => card.getBoundingClientRect());
         return boxes.some((a, i) =>
