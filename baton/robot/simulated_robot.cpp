@@ -75,6 +75,7 @@ void SimulatedRobot::reset() {
   torques_ = 0;
   mj_forward(model_.get(), data_.get());
   observe();
+  if (parameters_.hangs) gantry_.emplace(*robot_, kinematics_, *model_);
   readings_.clear();
   due_.clear();
   tick_ = 0.0;
@@ -107,6 +108,7 @@ void SimulatedRobot::write(const JointTarget& target) {
     }
     ++torques_;
     apply_pushes();
+    if (gantry_) gantry_->pull(*model_, *data_);
     mj_step(model_.get(), data_.get());
     while (!due_.empty() && due_.front() < data_->time + 0.5 * parameters_.timestep) {
       if (due_.front() > measured_at_ + 0.5 * parameters_.timestep) {
@@ -206,6 +208,10 @@ void SimulatedRobot::check_fall() {
   if (!(height >= kFallenHeight * parameters_.nominal_com_height)) {
     fall(fmt::format("the COM is {:.3f} m above the lower sole", height));
   }
+}
+
+void SimulatedRobot::move_gantry(double height) {
+  if (gantry_) gantry_->move(height);
 }
 
 void SimulatedRobot::push(const Vec3& impulse) {

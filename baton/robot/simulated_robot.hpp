@@ -2,9 +2,11 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 
 #include "baton/model/world.hpp"
 #include "baton/robot/actuators.hpp"
+#include "baton/robot/gantry.hpp"
 #include "baton/robot/plant.hpp"
 #include "baton/robot/robot.hpp"
 #include "baton/robot/robot_in_world.hpp"
@@ -18,10 +20,11 @@ class SimulatedRobot : public Robot {
     double timestep = 0.001;          ///< of physics and servos; must divide the tick period [s]
     double nominal_com_height = 0.0;  ///< 0: from the profile [m]
     Plant plant;
+    bool hangs = false;  ///< from a gantry, where it starts, whether its soles touch the ground or not
   };
 
   /// `robot` and `world` must outlive this object.
-  /// @param start initial standing posture, in the world frame
+  /// @param start initial posture, in the world frame
   /// @throws InputError world and robot cannot be combined
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period);
   SimulatedRobot(const RobotModel& robot, const World& world, const Posture& start, double period,
@@ -36,6 +39,8 @@ class SimulatedRobot : public Robot {
   [[nodiscard]] std::string model_text(Visuals visuals = Visuals::keep) const;
   [[nodiscard]] const mjModel& model() const { return *model_; }
   [[nodiscard]] const mjData& data() const { return *data_; }
+  /// Raises or lowers the gantry (`Gantry::move`), if it hangs from one.
+  void move_gantry(double height);
   /// For tests: applies an impulse to the trunk [N·s].
   void push(const Vec3& impulse);
 
@@ -60,6 +65,7 @@ class SimulatedRobot : public Robot {
   RobotInWorld in_world_;
   Kinematics kinematics_;
   Truth truth_;
+  std::optional<Gantry> gantry_;
   Actuators actuators_;
   Sensors sensors_;
   Vec3 imu_velocity_ = Vec3::Zero();  ///< at the last measurement [m/s]
