@@ -48,26 +48,27 @@ Stabiliser::Stabiliser(const RobotModel& robot)
   }
 }
 
-const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSample& next, const State& state) {
+const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSample& next, const State& state,
+                                      double stands) {
   const Profile& profile = robot_->profile();
   const double omega = robot_->omega();
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
   const bool begins = std::exchange(first_, false);
-  if (!begins) {
+  if (!begins && stands >= 1.0) {
     footing_.follow(now, next, state, wanted_);
     update_joints(now, state);
     compare_zmp(now, state);
   }
   kinematics_.set(next.q);
   const Mat3 trunk = kinematics_.trunk().R;
-  const Vec2 moment = begins ? Vec2(Vec2::Zero()) : attitude_moment(trunk, state);
+  const Vec2 moment = begins ? Vec2(Vec2::Zero()) : stands * attitude_moment(trunk, state);
   trunk_ = trunk;
   Wrench total = ground_wrench(kinematics_, next.force);
 
   // p_cmd = p + (1 + k/ω)(ξ_m − ξ_ref), clamped to the region: by a horizontal force at the COM, which leaves the
   // moment about the COM as planned.
   const Vec2 planned_zmp = next.zmp + correction_.com_offset;
-  const Vec2 wish = planned_zmp + (1.0 + profile.stabiliser.k_dcm / omega) * correction_.dcm_error.head<2>();
+  const Vec2 wish = planned_zmp + stands * (1.0 + profile.stabiliser.k_dcm / omega) * correction_.dcm_error.head<2>();
   const Vec2 balanced = next.zmp_region->nearest(wish);
   const double vertical = total.force.z();
   const Vec2 push = -vertical / (next.com.z() - next.zmp_height) * (balanced - planned_zmp);
@@ -87,7 +88,8 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
     unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + learned_torque(j, next.dq[6 + j]);
   }
   carry_upper_body(force, turning);
-  const BySide<Wrench> shared = distribution_.share(kinematics_, next.sole, next.contact, total, unloaded_);
+  BySide<Wrench> shared = distribution_.share(kinematics_, next.sole, next.contact, total, unloaded_);
+  if (stands < 1.0) scale_ankle_moments(kinematics_, stands, shared);
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
   subtract_contact(kinematics_, shared, target_.tau = unloaded_);

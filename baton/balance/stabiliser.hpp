@@ -30,7 +30,10 @@ class Stabiliser {
   /// Joint command for the end of this tick.
   /// @param now planned sample at the time of the measurement
   /// @param next planned sample at the end of this tick
-  [[nodiscard]] const JointTarget& target(const MotionSample& now, const MotionSample& next, const State& state);
+  /// @param stands how far the robot stands by itself, from 0 to 1: less while it hangs. By as much corrections are
+  /// made and the ankles loaded, and nothing is learned
+  [[nodiscard]] const JointTarget& target(const MotionSample& now, const MotionSample& next, const State& state,
+                                          double stands = 1.0);
 
   /// Resets everything learned about terrain and motors.
   void reset();

@@ -94,6 +94,14 @@ void joint_torques(const Kinematics& kinematics, const VecX& force, const BySide
   subtract_contact(kinematics, contact, tau);
 }
 
+void scale_ankle_moments(const Kinematics& kinematics, double factor, BySide<Wrench>& contact) {
+  for (const Side side : kSides) {
+    const Vec3 ankle = kinematics.body(kinematics.robot().foot_body(side)).p;
+    Wrench& wrench = contact[side];
+    wrench.moment = ankle.cross(wrench.force) + factor * wrench.moment_about(ankle);
+  }
+}
+
 void subtract_contact(const Kinematics& kinematics, const BySide<Wrench>& contact, VecX& tau) {
   const RobotModel& robot = kinematics.robot();
   for (const Side side : kSides) {

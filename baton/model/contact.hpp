@@ -56,4 +56,9 @@ void joint_torques(const Kinematics& kinematics, const VecX& force, const BySide
 /// @param contact wrench on each sole, moment about the origin
 void subtract_contact(const Kinematics& kinematics, const BySide<Wrench>& contact, VecX& tau);
 
+/// Scales the moments about the feet's last joints, the ankles: a robot that hangs would point its toes for them.
+/// @param kinematics set to the configuration
+/// @param contact wrench on each sole, moment about the origin
+void scale_ankle_moments(const Kinematics& kinematics, double factor, BySide<Wrench>& contact);
+
 }  // namespace baton

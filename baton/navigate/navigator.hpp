@@ -47,6 +47,10 @@ class Navigator {
   Navigator(const Navigator&) = delete;
   Navigator& operator=(const Navigator&) = delete;
 
+  /// Says, before the first tick, that the robot hangs in a gantry, in the posture that it starts in: nothing is begun
+  /// until it was lowered and stands.
+  void hang() { watch_.hang(); }
+
   /// Joint targets for the end of this tick. Never blocks; throws only with `StateSource::perfect`, if the measurement
   /// has no root pose.
   const JointTarget& tick(const Measurement& measurement, const Command& command);

@@ -54,8 +54,7 @@ void Watch::judge(const MotionSample& planned, const Pose& anchor, bool centred)
 
 void Watch::update_guard(bool centred) {
   const double height = robot_->profile().stance.com_height;
-  const BySide<double>& load = odometry_.load();
-  const double carried = (load.left + load.right) / (robot_->mass() * kGravity);
+  const double carried = this->carried();
   const double lower = std::min(state_->sole.left.p.z(), state_->sole.right.p.z());
   // Negated, so that an estimate that is not a number counts as a fall.
   const bool falls = !(tilt_of(state_->trunk) <= kFallenTilt && state_->com.z() - lower >= kFallenHeight * height);
@@ -79,6 +78,15 @@ void Watch::update_guard(bool centred) {
       if (!stands_upright()) guard_ = Guard::fallen;
       break;
   }
+}
+
+double Watch::carried() const {
+  const BySide<double>& load = odometry_.load();
+  return (load.left + load.right) / (robot_->mass() * kGravity);
+}
+
+double Watch::stands() const {
+  return guard_ == Guard::lifted ? std::clamp(carried() / kStands, 0.0, 1.0) : 1.0;
 }
 
 void Watch::fall() {

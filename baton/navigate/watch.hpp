@@ -44,6 +44,10 @@ class Watch {
   /// @param commanded what the robot is told in this tick
   void warm(const JointTarget& commanded) { thermometer_.update(*measured_, commanded); }
 
+  /// Says that the robot hangs, before the first tick: it is armed once it stands.
+  void hang() { guard_ = Guard::lifted; }
+  /// How far the robot stands by itself, from 0 to 1: 1, unless it was lifted and its soles carry less than half of it.
+  [[nodiscard]] double stands() const;
   /// Re-arms the robot, once it stands again.
   void arm();
 
@@ -80,6 +84,8 @@ class Watch {
   [[nodiscard]] bool supported() const;
 
  private:
+  /// By the soles, of the weight.
+  [[nodiscard]] double carried() const;
   void update_guard(bool centred);
   void fall();
   void update_disturbed(const MotionSample& planned, const Pose& anchor);

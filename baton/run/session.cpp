@@ -40,6 +40,7 @@ Session::Session(const RobotModel& model, const World& world, Robot& robot, cons
       start_(start),
       gait_(parameters.modes.gait),
       source_(parameters.source),
+      hangs_(parameters.hangs),
       planning_(parameters.planning) {
   if (planning_ == nullptr) planning_ = &on_the_spot_.emplace(model, world, parameters.modes);
   begin();
@@ -47,6 +48,7 @@ Session::Session(const RobotModel& model, const World& world, Robot& robot, cons
 
 void Session::begin() {
   navigator_.emplace(*model_, *world_, start_, gait_, source_);
+  if (hangs_) navigator_->hang();
   ticks_ = 0;
 }
 

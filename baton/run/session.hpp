@@ -17,6 +17,7 @@ class Session {
     Modes modes{};
     StateSource source = StateSource::sensors;  ///< source of the state estimate
     Planning* planning = nullptr;               ///< must use the same modes; null: synchronous, in `step`
+    bool hangs = false;  ///< in a gantry, in the posture at the start (`Navigator::hang`)
   };
 
   /// All arguments except `start` and `parameters` must outlive this object.
@@ -72,6 +73,7 @@ class Session {
   Posture start_;
   Gait gait_;
   StateSource source_;
+  bool hangs_;
   std::optional<Navigator> navigator_;
   std::optional<DirectPlanning> on_the_spot_;
   Planning* planning_;
