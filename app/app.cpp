@@ -148,6 +148,9 @@ void add_robot(CLI::App& command, RobotOptions& o) {
   command.add_flag(
       "--targets", o.targets,
       "Be a robot that only follows targets for its joints; else it keeps its balance and plans by itself");
+  command.add_flag("--gantry", o.gantry,
+                   "It hangs, its feet in the air. With --on: it takes its stance there first. With --sim --targets: "
+                   "its joints are at zero; type l (lower) or r (raise) and Enter");
   command
       .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();
@@ -195,6 +198,9 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   command.add_flag(
       "--shadow", o.shadow,
       "Beside whoever drives the robot at --on tcp://HOST:PORT: estimate, plan and report, and send nothing");
+  command.add_flag("--gantry", o.gantry,
+                   "The robot at --on tcp://HOST:PORT hangs, its feet in the air: it takes its stance there, and is "
+                   "guided once it was lowered and stands");
   command.add_flag("--headless", o.headless, "No page");
   command.add_flag("--fast", o.fast, "Run as fast as possible, not in real time (needs --seconds; no page)");
   command.add_option("--port", o.port, "Port of the page; 0: any free port")

@@ -70,6 +70,7 @@ struct DriveOptions {
   AnswerOptions answers;
   std::optional<double> seconds;
   long seed = 0;
+  bool gantry = false;  ///< the robot hangs, its feet in the air, when the run begins
   bool shadow = false;  ///< beside another controller: sends nothing
   bool headless = false;
   bool fast = false;
@@ -88,6 +89,7 @@ struct RobotOptions {
   long seed = 0;
   bool real_time = false;  ///< goes on by the clock; else waits for each command or target
   bool targets = false;    ///< follows targets for the joints, without a navigator of its own
+  bool gantry = false;     ///< hangs, its feet in the air
   std::string listen = "127.0.0.1:7447";
   std::optional<std::filesystem::path> token;     ///< file that holds what drivers must know
   std::optional<std::filesystem::path> on_token;  ///< file that holds what the robot at `on` wants to know

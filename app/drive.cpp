@@ -26,7 +26,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
-const Command kHome{.recall = Recall::home};
 constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
@@ -79,6 +78,7 @@ int drive(const DriveOptions& o) {
   const double period = robot.profile().tick.period;
   if (o.token && !is_address(o.on))
     throw InputError(fmt::format("--token {} goes with --on tcp://HOST:PORT", o.token->string()));
+  if (o.gantry && !is_address(o.on)) throw InputError("--gantry goes with --on tcp://HOST:PORT");
   std::optional<RemoteEnd> remote;
   if (is_address(o.on)) remote.emplace(o, robot, world);
   const std::string on = remote ? remote->welcome().on : o.on;
@@ -88,7 +88,10 @@ int drive(const DriveOptions& o) {
   std::unique_ptr<Planning> planner = planner_of(robot, world, modes_of(o.modes), !waits);
   if (remote) planner = remote->planning(std::move(planner));
   FaultyPlanning planning(*planner, faults_of(o.answers), period, static_cast<std::uint64_t>(o.seed));
-  Simulation::Parameters parameters{.session = {modes_of(o.modes), state_named(o.physics.state), &planning},
+  Simulation::Parameters parameters{.session = {.modes = modes_of(o.modes),
+                                                .source = state_named(o.physics.state),
+                                                .planning = &planning,
+                                                .hangs = o.gantry},
                                     .calibration = calibration_in(o.calibration, robot, on)};
   std::optional<Simulation> given;
   if (remote) {
@@ -100,7 +103,7 @@ int drive(const DriveOptions& o) {
   }
   Simulation& simulation = *given;
   Session& session = simulation.session();
-  const auto engaging = [&] { return remote && remote->engaging(); };
+  const auto engaging = [&] { return remote ? remote->engaging() : std::nullopt; };
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
   read.push_back({"--arms", arms_file});
@@ -123,7 +126,8 @@ int drive(const DriveOptions& o) {
                            {"on_limit", o.modes.on_limit},
                            {"state", o.physics.state},
                            {"drive", std::string(to_string(robot.profile().drive))}};
-    if (engaging()) head["start"] = vector_json(parameters.start->q);
+    if (o.gantry) head["hangs"] = true;
+    if (remote && !remote->starts_in_stance()) head["start"] = vector_json(parameters.start->q);
     outputs.record(session, *o.files.record, head, !o.fast, parameters.physics.plant.pushes);
   }
 
@@ -152,6 +156,11 @@ int drive(const DriveOptions& o) {
     session.step(command);
     return true;
   };
+  const auto decided = [&] {
+    if (stopping) return Command{};
+    const std::optional<Command> instead = engaging();
+    return instead ? *instead : inputs.decide(session.view());
+  };
   const auto drive_arms = [&](const ArmTargets& targets) {
     remote ? remote->drive_arms(session, targets) : session.drive_arms(targets);
   };
@@ -173,7 +182,7 @@ int drive(const DriveOptions& o) {
       if (targets == nullptr) break;
       drive_arms(*targets);
     }
-    if (!step(stopping ? Command{} : engaging() ? kHome : inputs.decide(session.view()))) break;
+    if (!step(decided())) break;
     if (view && view->damp_asked() && remote) remote->damp("by the page");
     refusals.look(session.navigator());
     log_arms(session.navigator(), session.t());

@@ -79,6 +79,7 @@ class ShadowRecording {
 void check_options(const DriveOptions& o) {
   if (!is_address(o.on)) throw InputError("--shadow needs --on tcp://HOST:PORT: the robot's end that it looks on at");
   check_physics(o.physics, o.on);
+  if (o.gantry) throw InputError("--gantry with --shadow: leave it out, as nothing is driven");
   if (o.input == "page") throw InputError("--input page with --shadow: must be auto, joystick or script:FILE");
   for (const auto& [option, given] :
        {std::pair("--trace", o.files.trace.has_value()), std::pair("--save-model", o.files.save_model.has_value()),

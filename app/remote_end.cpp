@@ -9,22 +9,23 @@
 #include "app/options.hpp"
 #include "baton/link/echoed_planning.hpp"
 #include "baton/link/engage.hpp"
+#include "baton/link/hanging.hpp"
 #include "baton/link/onboard.hpp"
 #include "baton/model/error.hpp"
 
 namespace baton::app {
 namespace {
 
-constexpr double kSettled = 0.5;       ///< time of rest after which a robot has taken its stance, or cannot [s]
-constexpr double kLow = 0.2;           ///< charge of a battery of which the driver is warned
-constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which a run ends [s]
+constexpr double kSettled = 0.5;  ///< time of rest after which a robot has taken its stance, or cannot [s]
+constexpr double kStood = 1.0;    ///< time of standing after which one that hung stands by itself [s]
+constexpr double kLow = 0.2;      ///< charge of a battery of which the driver is warned
 
 }  // namespace
 
 RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World& world)
-    : address_(o.on), model_(&robot) {
+    : address_(o.on), model_(&robot), hangs_(o.gantry) {
   check_physics(o.physics, o.on);
-  const link::NavigationOptions navigation{modes_of(o.modes), state_named(o.physics.state)};
+  const link::NavigationOptions navigation{modes_of(o.modes), state_named(o.physics.state), o.gantry};
   const auto accept = [&](const link::Welcome& robots_end) {
     const auto belongs_there = [&](const char* option, bool given) {
       if (given && robots_end.navigates)
@@ -47,11 +48,25 @@ RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World
 }
 
 Posture RemoteEnd::start(const World& world, const std::optional<Calibration>& calibration) {
+  if (hangs_ && !welcome().navigates) {
+    spdlog::info("hangs: takes its stance");
+    named_in(address_, [&] { link::take_stance(*model_, *remote_, [] { return !interrupted; }); });
+  }
   const Measurement seen = calibration ? without_errors(remote_->read(), *calibration) : remote_->read();
   const Posture start = named_in(address_, [&] { return link::engage(*model_, world.site("start"), seen.q); });
-  engaging_ = !link::in_stance(*model_, start.q.tail(seen.q.size()));
-  if (engaging_) spdlog::info("takes its stance first");
+  in_stance_ = link::in_stance(*model_, start.q.tail(seen.q.size()));
+  engaging_ = hangs_ ? Engaging::gantry : in_stance_ ? Engaging::nothing : Engaging::way_home;
+  if (hangs_ && !in_stance_)
+    throw InputError(fmt::format("--gantry: the robot at {} hangs, but not in its stance: {}", address_,
+                                 "start its own end with --gantry"));
+  if (engaging_ == Engaging::way_home) spdlog::info("takes its stance first");
+  if (engaging_ == Engaging::gantry) spdlog::info("in its stance: lower it until it stands, then slacken the ropes");
   return start;
+}
+
+std::optional<Command> RemoteEnd::engaging() const {
+  if (engaging_ == Engaging::nothing) return std::nullopt;
+  return engaging_ == Engaging::way_home ? Command{.recall = Recall::home} : Command{};
 }
 
 std::unique_ptr<Planning> RemoteEnd::planning(std::unique_ptr<Planning> planner) const {
@@ -74,13 +89,10 @@ bool RemoteEnd::step(Session& session, const Command& command) {
     } else {
       session.step(command);
     }
-    if (engaging_) look_engaged(session);
+    if (engaging_ == Engaging::way_home) look_engaged(session);
+    if (engaging_ == Engaging::gantry) look_stood(session);
     warn();
-    if (remote_->damped()) {
-      broken_ = fmt::format("{}: the robot was damped: {}", address_, remote_->damped_because());
-    } else if (remote_->not_followed_for() > kNotFollowing) {
-      broken_ = fmt::format("{}: the robot follows no longer: {}", address_, remote_->rejection());
-    }
+    broken_ = remote_->follows_no_longer();
   } catch (const LinkError& error) {
     broken_ = error.what();
   }
@@ -107,8 +119,8 @@ void RemoteEnd::damp(const std::string& because) {
 
 void RemoteEnd::look_engaged(const Session& session) {
   rested_ = session.resting() ? rested_ + 1 : 0;
-  engaging_ = static_cast<double>(rested_) * model_->profile().tick.period < kSettled;
-  if (engaging_) return;
+  if (static_cast<double>(rested_) * model_->profile().tick.period < kSettled) return;
+  engaging_ = Engaging::nothing;
   const VecX& q = session.navigator().state().q;
   if (link::in_stance(*model_, q.tail(q.size() - 7))) {
     spdlog::info("in its stance");
@@ -116,6 +128,17 @@ void RemoteEnd::look_engaged(const Session& session) {
     const bool refused = session.navigator().refusal() != nullptr;
     spdlog::warn("does not find to its stance{}: guide it from where it is", refused ? ", refused" : "");
   }
+}
+
+void RemoteEnd::look_stood(const Session& session) {
+  const Guard guard = session.navigator().guard();
+  if (guard == Guard::lifted && guard_ == Guard::armed) spdlog::info("lifted again");
+  if (guard == Guard::armed && guard_ == Guard::lifted) spdlog::info("stands");
+  rested_ = guard == Guard::armed ? rested_ + 1 : 0;
+  guard_ = guard;
+  if (static_cast<double>(rested_) * model_->profile().tick.period < kStood) return;
+  engaging_ = Engaging::nothing;
+  spdlog::info("the stick counts");
 }
 
 void RemoteEnd::warn() {

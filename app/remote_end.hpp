@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "app/commands.hpp"
@@ -23,12 +24,14 @@ class RemoteEnd {
   /// The robot itself, once, for a session; it stays known here.
   [[nodiscard]] std::unique_ptr<Robot> robot() { return std::move(owned_); }
   [[nodiscard]] const link::Welcome& welcome() const { return remote_->welcome(); }
-  /// Where a session begins.
+  /// Where a session begins. A robot that hangs takes its stance first.
   /// @param calibration what is known of the sensors' errors
   /// @throws InputError the robot does not stand on both soles
   [[nodiscard]] Posture start(const World& world, const std::optional<Calibration>& calibration);
-  /// Whether it has not come to its stance yet: the stick does not count until then.
-  [[nodiscard]] bool engaging() const { return engaging_; }
+  /// Whether that was in the stance of its profile.
+  [[nodiscard]] bool starts_in_stance() const { return in_stance_; }
+  /// What counts in place of the stick, until the robot stands in its stance.
+  [[nodiscard]] std::optional<Command> engaging() const;
   /// Where that session plans: what a robot that navigates by itself has planned, or by `planner`.
   [[nodiscard]] std::unique_ptr<Planning> planning(std::unique_ptr<Planning> planner) const;
 
@@ -48,16 +51,23 @@ class RemoteEnd {
   [[nodiscard]] nlohmann::json json() const;
 
  private:
+  /// What is between a robot and its stance.
+  enum class Engaging { nothing, way_home, gantry };
+
   void look_engaged(const Session& session);
+  void look_stood(const Session& session);
   void warn();
 
   std::string address_;
   const RobotModel* model_;
   std::unique_ptr<link::RemoteRobot> owned_;
   link::RemoteRobot* remote_;
-  bool engaging_ = false;
-  long rested_ = 0;    ///< ticks, while engaging
-  bool told_ = false;  ///< that the robot has rejected a target
+  bool hangs_;
+  bool in_stance_ = true;
+  Engaging engaging_ = Engaging::nothing;
+  Guard guard_ = Guard::lifted;  ///< before this tick, while it is lowered
+  long rested_ = 0;              ///< ticks, while engaging
+  bool told_ = false;            ///< that the robot has rejected a target
   bool stale_ = false;
   bool low_ = false;     ///< its battery, which has been logged
   bool damped_ = false;  ///< that has been asked for

@@ -71,6 +71,7 @@ Replayer::Replayer(const std::filesystem::path& recording, bool verify)
     joints_.push_back(joint.name);
   navigator_.emplace(robot_, world_, start_of(recording_, robot_, world_), modes_in(recording_.head()).gait,
                      state_named(recording_.head().state));
+  if (recording_.head().hangs) navigator_->hang();
 }
 
 bool Replayer::step() {

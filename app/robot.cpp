@@ -6,6 +6,7 @@
 #include "app/options.hpp"
 #include "app/robots_end.hpp"
 #include "baton/ik/stand.hpp"
+#include "baton/link/hanging.hpp"
 #include "baton/link/remote_robot.hpp"
 #include "baton/link/robot_server.hpp"
 #include "baton/model/error.hpp"
@@ -13,6 +14,8 @@
 namespace baton::app {
 namespace {
 
+constexpr double kHangs = 0.15;          ///< height of the soles of a robot that hangs [COM height]
+constexpr double kSlack = 0.1;           ///< by which ropes are lowered beyond the stance [COM height]
 constexpr Socket::Time kAnswering{500};  ///< longest time without a measurement of a robot in real time
 
 /// The robot that follows targets at `--on`.
@@ -33,7 +36,45 @@ std::unique_ptr<Robot> robot_behind(const RobotOptions& o, const RobotModel& mod
           .address = Address::parse(*o.on), .token = token_in(o.on_token), .accept = accept, .answering = kAnswering});
   parameters.on = remote->welcome().on;
   parameters.remote = remote.get();
+  if (o.gantry) {
+    spdlog::info("hangs: takes its stance");
+    link::take_stance(model, *remote, [] { return !interrupted; });
+    spdlog::info("in its stance: lower it until it stands once a driver has taken over");
+  }
   return remote;
+}
+
+/// A simulated robot that stands, or hangs with its joints at zero.
+struct Simulated {
+  std::unique_ptr<SimulatedRobot> robot;
+  double drop = 0.0;  ///< by which its gantry has to be lowered until it stands in its stance, the ropes slack [m]
+};
+
+Simulated simulated(const RobotOptions& o, const RobotModel& model, const World& world) {
+  const double height = model.profile().stance.com_height;
+  Posture start = stand(model, world.site("start"), height);
+  SimulatedRobot::Parameters parameters = parameters_of(o.physics, model, "sim", o.seed);
+  Simulated made;
+  if (o.gantry) {
+    Kinematics kinematics(model);
+    kinematics.set(start.q);
+    const auto shoulder = [&] { return kinematics.shoulder(Side::left).z(); };
+    const double ground = start.sole.left.p.z();
+    const double standing = shoulder();
+    for (std::size_t j = 0; j < model.joints().size(); ++j) {
+      const Range& range = model.joints()[j].position;
+      start.q[7 + static_cast<Eigen::Index>(j)] = std::clamp(0.0, range.lo, range.hi);
+    }
+    kinematics.set(start.q);
+    const double lowest = std::min(kinematics.sole(Side::left).p.z(), kinematics.sole(Side::right).p.z());
+    start.q[2] += ground + kHangs * height - lowest;
+    kinematics.set(start.q);
+    made.drop = shoulder() - standing + kSlack * height;
+    parameters.hangs = true;
+  }
+  made.robot =
+      std::make_unique<SimulatedRobot>(model, world, start, model.profile().tick.period, std::move(parameters));
+  return made;
 }
 
 }  // namespace
@@ -50,20 +91,27 @@ int robot(const RobotOptions& o) {
                                            .navigates_in = o.targets ? nullptr : &world,
                                            .log = [](const std::string& text) { spdlog::info("{}", text); }};
   parameters.planning = [&, live = parameters.real_time](Modes modes) { return planner_of(model, world, modes, live); };
-  std::unique_ptr<Robot> robot;
+  if (o.gantry && o.sim && !o.targets)
+    throw InputError("--gantry with --sim: goes with --targets, as a robot that navigates by itself begins standing");
+  std::unique_ptr<Robot> behind;
+  Simulated sim;
   if (o.on) {
-    robot = robot_behind(o, model, world, parameters);
+    behind = robot_behind(o, model, world, parameters);
   } else {
     if (o.on_token) throw InputError("--on-token goes with --on tcp://HOST:PORT");
-    const Posture start = stand(model, world.site("start"), model.profile().stance.com_height);
-    robot = std::make_unique<SimulatedRobot>(model, world, start, model.profile().tick.period,
-                                             parameters_of(o.physics, model, "sim", o.seed));
+    sim = simulated(o, model, world);
   }
-  link::RobotServer server(model, *robot, std::move(parameters));
+  link::RobotServer server(model, o.on ? *behind : *sim.robot, std::move(parameters));
   fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", model.profile().name,
              world.name(), server.address().text());
   std::fflush(stdout);
-  serve_drivers(server);
+  const auto key = [&](const std::string& line) {
+    const bool means = o.gantry && o.sim && (line == "l" || line == "r");
+    if (means) sim.robot->move_gantry(line == "l" ? -sim.drop : 0.0);
+    return means;
+  };
+  serve_drivers(
+      server, [] {}, key);
   return kDone;
 }
 

@@ -12,19 +12,20 @@
 namespace baton::app {
 namespace {
 
-void obey(const std::string& line, link::RobotServer& server) {
+void obey(const std::string& line, link::RobotServer& server, const std::function<bool(const std::string&)>& key) {
   if (line == "d" || line == "damp") {
     server.damp("by the robot's own key");
   } else if (line == "a" || line == "arm") {
     server.arm();
-  } else if (!line.empty()) {
+  } else if (!line.empty() && !key(line)) {
     spdlog::warn("type d (damp: the motors only brake) or a (arm again), each with Enter");
   }
 }
 
 }  // namespace
 
-void serve_drivers(link::RobotServer& server, const std::function<void()>& between) {
+void serve_drivers(link::RobotServer& server, const std::function<void()>& between,
+                   const std::function<bool(const std::string&)>& key) {
   // Neither a job in the background that is typed to, nor a log that nobody reads any more, stops a robot's end.
   std::signal(SIGTTIN, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
@@ -39,7 +40,7 @@ void serve_drivers(link::RobotServer& server, const std::function<void()>& betwe
     }
     server.serve(Socket::Time(50));
     between();
-    if (const std::optional<std::string> line = keyboard.next()) obey(*line, server);
+    if (const std::optional<std::string> line = keyboard.next()) obey(*line, server, key);
   }
 }
 

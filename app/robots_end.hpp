@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "baton/link/robot_server.hpp"
 
@@ -9,7 +10,9 @@ namespace baton::app {
 
 /// Serves drivers until the program is interrupted, and obeys d (damp) and a (arm) typed at the terminal.
 /// @param between called between two messages
+/// @param key called with any other line that is typed; returns whether it means something
 void serve_drivers(
-    link::RobotServer& server, const std::function<void()>& between = [] {});
+    link::RobotServer& server, const std::function<void()>& between = [] {},
+    const std::function<bool(const std::string&)>& key = [](const std::string&) { return false; });
 
 }  // namespace baton::app

@@ -152,6 +152,7 @@ NavigationOptions navigation_in(const JsonReader& reader) {
     return reader.has(key) && reader.at(key).one_of(known) == value;
   };
   NavigationOptions navigation;
+  navigation.hangs = reader.has("hangs") && reader.at("hangs").boolean();
   if (is("duration", {"paper", "search"}, "search")) navigation.modes.duration = DurationRule::search;
   if (is("gait", {"flow", "stop"}, "stop")) navigation.modes.gait = Gait::stop;
   if (is("on_limit", {"shrink", "discard"}, "discard")) navigation.modes.on_limit = OnLimit::discard;
@@ -232,7 +233,8 @@ std::string encode(const Start& start) {
                  {"duration", modes.duration == DurationRule::search ? "search" : "paper"},
                  {"gait", modes.gait == Gait::stop ? "stop" : "flow"},
                  {"on_limit", modes.on_limit == OnLimit::discard ? "discard" : "shrink"},
-                 {"state", to_string(start.navigation.source)}});
+                 {"state", to_string(start.navigation.source)},
+                 {"hangs", start.navigation.hangs}});
 }
 
 std::string encode(const Refusal& refusal) {

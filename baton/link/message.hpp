@@ -89,6 +89,7 @@ struct Welcome {
 struct NavigationOptions {
   Modes modes{};
   StateSource source = StateSource::sensors;
+  bool hangs = false;  ///< in a gantry, in its stance
 };
 
 /// The driver takes over, with the servos as it expects them.

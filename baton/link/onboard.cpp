@@ -11,7 +11,10 @@ Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Para
     : model_(&model),
       parameters_(std::move(parameters)),
       session_(model, world, robot, engage(model, world.site("start"), robot.read().q),
-               {parameters_.navigation.modes, parameters_.navigation.source, parameters_.planning.get()}) {
+               {.modes = parameters_.navigation.modes,
+                .source = parameters_.navigation.source,
+                .planning = parameters_.planning.get(),
+                .hangs = parameters_.navigation.hangs}) {
   session_.add(*this);
 }
 

@@ -14,6 +14,7 @@ namespace {
 
 constexpr Socket::Time kSending{2000};
 constexpr Socket::Time kFarewell{200};
+constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which it follows no longer [s]
 
 bool same_bits(const VecX& a, const VecX& b) {
   return a.size() == b.size() &&
@@ -206,6 +207,14 @@ double RemoteRobot::not_followed_for() const {
   if (in_a_row_ == 0) return 0.0;
   if (welcome_.lock_step) return static_cast<double>(in_a_row_) * welcome_.period;
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - rejecting_since_).count();
+}
+
+std::string RemoteRobot::follows_no_longer() const {
+  const std::string address = parameters_.address.text();
+  if (damped()) return fmt::format("{}: the robot was damped: {}", address, damped_because_);
+  if (not_followed_for() > kNotFollowing)
+    return fmt::format("{}: the robot follows no longer: {}", address, rejection_);
+  return "";
 }
 
 void damp(const Address& address, const std::string& token) {

@@ -86,10 +86,12 @@ class RemoteRobot : public Robot {
   /// Targets that the robot has rejected, and why the last one was.
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }
-  /// For how long all targets have been rejected [s].
-  [[nodiscard]] double not_followed_for() const;
+  /// Why it follows no longer: it was damped, or has rejected all targets of some time; "": it follows.
+  [[nodiscard]] std::string follows_no_longer() const;
 
  private:
+  /// For how long all targets have been rejected [s].
+  [[nodiscard]] double not_followed_for() const;
   /// @throws LinkError none in time
   [[nodiscard]] Message receive(Socket::Time limit);
   void greet(const std::string& token, const std::string& world);

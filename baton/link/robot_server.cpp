@@ -26,7 +26,6 @@ constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one 
 constexpr long kEveryRejection = 200;                        ///< of so many rejections in a row one is logged
 constexpr std::uint64_t kOldest =
     20;  ///< of the newest measurement, in real time: an answer to an older one is too late
-constexpr double kNotFollowing = 0.1;  ///< time for which a robot rejects its targets before its driver is dropped [s]
 constexpr int kMostBehind = 20;        ///< ticks that are caught up with, after which the clock is set anew
 
 /// Takes as long whatever the token is, so that its time tells nothing about it.
@@ -441,8 +440,8 @@ void RobotServer::advance_remote() {
     if (remote.read().t != reading_.measurement.t) look();
   }
   if (remote.damped()) damp("at its own end: " + remote.damped_because());
-  if (!driver_ || remote.not_followed_for() <= kNotFollowing) return;
-  const std::string why = "the robot follows no longer: " + remote.rejection();
+  const std::string why = remote.damped() ? "" : remote.follows_no_longer();
+  if (!driver_ || why.empty()) return;
   try {
     static_cast<void>(refuse(*driver_, "robot", why));
   } catch (const LinkError&) {  // it is gone already

@@ -126,6 +126,7 @@ struct RecordingHead {
   std::string on_limit;
   std::string state;
   std::string drive;
+  bool hangs = false;         ///< in a gantry, at its beginning
   std::vector<double> start;  ///< configuration (nq) in which the run began; empty: the stance, at the world's start
 };
 

@@ -85,10 +85,15 @@ void RecordingReader::read_head() {
                                  shortened(setting(metadata, "recording", place), 40), kRecordingVersion));
   }
   static_cast<void>(one_of("on", {"sim", "ideal", "real"}));
-  head_ = {setting(metadata, "robot", place),          setting(metadata, "world", place),
-           one_of("duration", {"paper", "search"}),    one_of("gait", {"stop", "flow"}),
-           one_of("on_limit", {"discard", "shrink"}),  one_of("state", {"sensors", "torques", "perfect"}),
-           one_of("drive", {"torque", "pd", "stiff"}), {}};
+  head_ = {setting(metadata, "robot", place),
+           setting(metadata, "world", place),
+           one_of("duration", {"paper", "search"}),
+           one_of("gait", {"stop", "flow"}),
+           one_of("on_limit", {"discard", "shrink"}),
+           one_of("state", {"sensors", "torques", "perfect"}),
+           one_of("drive", {"torque", "pd", "stiff"}),
+           metadata.contains("hangs") && one_of("hangs", {"false", "true"}) == "true",
+           {}};
   if (!metadata.contains("start")) return;
   const nlohmann::json start = parse_json(setting(metadata, "start", place), place + ": start");
   for (const JsonReader& value : JsonReader(start, place, "start").list())

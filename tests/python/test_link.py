@@ -99,6 +99,38 @@ def test_damp_is_latched_whoever_asks_for_it():
         assert end.process.wait(timeout=10) == 0
 
 
+def test_a_robot_that_hangs_takes_its_stance_is_lowered_and_walks(tmp_path):
+    recording, report = tmp_path / "run.mcap", tmp_path / "report.json"
+    files = ("--record", recording, "--report", report)
+    with simulated("--targets", "--gantry") as end:
+        driver = subprocess.Popen(drive_command(end.address, 14, "--gantry", *files), stderr=subprocess.PIPE, text=True)
+        said = []
+        for line in driver.stderr:
+            said.append(line.strip().removeprefix("info: "))
+            if line.startswith("info: in its stance"):
+                end.type("l")
+        assert driver.wait(timeout=30) == 0, said
+        assert said == ["hangs: takes its stance", "in its stance: lower it until it stands, then slacken the ropes",
+                        "stands", "the stick counts"]  # fmt: skip
+        told = json.loads(report.read_text())
+        assert told["falls"] == 0 and told["commands"]["moved"] > 0 and told["travel_m"] > 0.05
+        replayed = subprocess.run([BATON, "replay", recording, "--verify"], capture_output=True, text=True)
+        assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+        lowered = drive(end.address, 1, "--gantry")  # it hangs again, as for each driver
+        assert lowered.returncode == 0, lowered.stderr
+
+
+def test_a_robot_whose_feet_carry_it_does_not_hang():
+    with simulated("--targets") as end:
+        refused = drive(end.address, 1, "--gantry")
+        assert refused.returncode == 2
+        assert "--gantry: the soles carry" in refused.stderr and "must hang" in refused.stderr
+    shadow = ["drive", "--gantry", "--shadow", "--on", "tcp://127.0.0.1:1"]
+    for command in (["drive", "--gantry", "--headless"], ["robot", "--sim", "--gantry"], shadow):
+        wrong = subprocess.run([BATON, *command], capture_output=True, text=True, timeout=60)
+        assert wrong.returncode == 2 and "--gantry" in wrong.stderr
+
+
 @pytest.mark.parametrize("end_it", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_robot_whose_driver_is_killed_or_stopped_in_a_step_comes_to_rest(end_it, tmp_path):
     trace = tmp_path / "trace.csv"

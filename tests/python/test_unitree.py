@@ -40,31 +40,40 @@ def wait(robot, seconds):
 
 
 @pytest.fixture
-def hanging():
-    """A robot that hangs in its stance, its soles on the ground, and its bridge."""
+def limp():
+    """A robot that hangs limp, its feet in the air, and its bridge."""
     with network_with_g1() as network, started(Robot, network) as robot, started(Bridge, network) as bridge:
         bridge.await_ready()
         assert robot.look()["kp"] == 0.0
-        bridge.type("s")
-        bridge.await_log("takes its stance")
-        wait(robot, 2.0)
-        for _ in range(10):
-            if wait(robot, 0.5)[-1]["speed"] < 0.05:
-                break
-        robot.type(f"height {TOUCHING}")
-        wait(robot, 1.5)
         yield network, robot, bridge
 
 
-class Driver(Program):
-    """Drives by a script; the gantry is let down when it has begun."""
+@pytest.fixture
+def hanging(limp):
+    """The same in its stance, its soles on the ground."""
+    _, robot, bridge = limp
+    bridge.type("s")
+    bridge.await_log("takes its stance")
+    wait(robot, 2.0)
+    for _ in range(10):
+        if wait(robot, 0.5)[-1]["speed"] < 0.05:
+            break
+    robot.type(f"height {TOUCHING}")
+    wait(robot, 1.5)
+    return limp
 
-    def __init__(self, network, robot, bridge, script, seconds):
+
+class Driver(Program):
+    """Drives by a script; the gantry is let down when it has begun, unless it is told of it."""
+
+    def __init__(self, network, robot, bridge, script, seconds, *more):
         super().__init__(
             network, BATON, "drive", "--robot", "g1", "--on", bridge.address, "--world", "flat", "--state", "torques",
-            "--headless", "--input", f"script:{script}", "--seconds", seconds, first=SOON,
+            "--headless", "--input", f"script:{script}", "--seconds", seconds, *more, first=SOON,
         )  # fmt: skip
         bridge.await_log("the motors follow the driver")
+        if "--gantry" in more:
+            return
         time.sleep(0.5)
         robot.type(f"height {SLACK}")
 
@@ -101,11 +110,12 @@ def in_real_time(test):
     """Robot and bridge live in real time: where the computer has lost some of it, a failure tells nothing."""
 
     @functools.wraps(test)
-    def judged(hanging, *args, **more):
+    def judged(**fixtures):
+        _, robot, _ = fixtures.get("hanging") or fixtures["limp"]
         try:
-            test(hanging, *args, **more)
+            test(**fixtures)
         except AssertionError:
-            if (lost := hanging[1].look()["lost"]) > 0.0:
+            if (lost := robot.look()["lost"]) > 0.0:
                 pytest.skip(f"this computer has lost {lost:.2f} s of real time")
             raise
 
@@ -128,6 +138,22 @@ def test_it_stands_walks_stops_and_is_handed_back(hanging, script):
     bridge.await_log("the motors brake")
     assert lies_limp(wait(robot, 0.2)[-1])
     assert bridge.end() == 0
+
+
+@in_real_time
+def test_its_driver_leads_it_from_hanging_limp_to_a_walk(limp, script):
+    network, robot, bridge = limp
+    stick = script((0, "trunk", 1), (24, None, 0))  # of somebody who cannot wait
+    driver = Driver(network, robot, bridge, stick, 26, "--gantry")
+    driver.await_log("in its stance")
+    robot.type(f"height {SLACK}")
+    driver.await_log("the stick counts", 15.0)
+    seen = wait(robot, 12.0)
+    assert stands(seen)
+    print(f"it walked {seen[-1]['x'] - seen[0]['x']:.3f} m")
+    assert seen[-1]["x"] > seen[0]["x"] + 0.1
+    code, out, _ = driver.outcome()
+    assert code == 0 and "on its feet, as far as its sensors tell" in out
 
 
 @in_real_time
