@@ -25,8 +25,8 @@ constexpr std::chrono::seconds kRefusals{1};                 ///< of refusals wi
 constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
 constexpr long kEveryRejection = 200;                        ///< of so many rejections in a row one is logged
 constexpr std::uint64_t kOldest =
-    20;  ///< of the newest measurement, in real time: an answer to an older one is too late
-constexpr int kMostBehind = 20;        ///< ticks that are caught up with, after which the clock is set anew
+    20;                          ///< of the newest measurement, in real time: an answer to an older one is too late
+constexpr int kMostBehind = 20;  ///< ticks that are caught up with, after which the clock is set anew
 
 /// Takes as long whatever the token is, so that its time tells nothing about it.
 bool same_token(const std::string& a, const std::string& b) {

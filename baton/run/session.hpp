@@ -17,7 +17,7 @@ class Session {
     Modes modes{};
     StateSource source = StateSource::sensors;  ///< source of the state estimate
     Planning* planning = nullptr;               ///< must use the same modes; null: synchronous, in `step`
-    bool hangs = false;  ///< in a gantry, in the posture at the start (`Navigator::hang`)
+    bool hangs = false;                         ///< in a gantry, in the posture at the start (`Navigator::hang`)
   };
 
   /// All arguments except `start` and `parameters` must outlive this object.
