@@ -30,18 +30,19 @@ struct Row {
   double seconds = 0.0;
   double upright = 0.0;  ///< total time of episodes without a fall [s]
   Tally tally;
-  double tilt = 0.0;            ///< largest trunk tilt [deg]
-  std::array<double, 4> rms{};  ///< of COM, soles, hands, ZMP [m]; time-weighted sums of squares until `json`
-  double estimate = 0.0;        ///< largest error of the trunk's estimated position, relative to distance travelled
-  double drift = 0.0;           ///< largest change of COM height from first to last rest [m]
-  std::vector<long> seeds;      ///< seeds of episodes that ended by a fall or an exception
+  double tilt = 0.0;  ///< largest trunk tilt [deg]
+  std::array<double, 5>
+      rms{};              ///< of COM, soles, hands, ZMP, estimated COM [m]; time-weighted sums of squares until `json`
+  double estimate = 0.0;  ///< largest error of the trunk's estimated position, relative to distance travelled
+  double drift = 0.0;     ///< largest change of COM height from first to last rest [m]
+  std::vector<long> seeds;  ///< seeds of episodes that ended by a fall or an exception
 
   void add(const EpisodeResult& result, long seed, double period);
   [[nodiscard]] double root(std::size_t what) const { return upright > 0.0 ? std::sqrt(rms[what] / upright) : 0.0; }
   [[nodiscard]] Json json(const Scenario& scenario) const;
 };
 
-constexpr std::array<const char*, 4> kTracked{"com", "sole", "hand", "zmp"};
+constexpr std::array<const char*, 5> kTracked{"com", "sole", "hand", "zmp", "com_estimated"};
 
 void Row::add(const EpisodeResult& result, long seed, double period) {
   ++tried;

@@ -21,6 +21,10 @@ void TrackingError::add(const TickRecord& record, const Kinematics& truth) {
   const Pose frame = anchor_correction(plan.sole, soles, plan.contact);
   planned_.set(plan.q);
   squares_.com += (truth.com() - frame * plan.com).squaredNorm();
+  // As far as the robot can know: an IMU that is mounted askew, for one, is no error of its balance.
+  const State& state = nav.state();
+  squares_.com_estimated +=
+      (state.com - anchor_correction(plan.sole, state.sole, plan.contact) * plan.com).squaredNorm();
   const Vec2 planned = plan.zmp + nav.correction().com_offset;
   const Vec2 zmp = (frame * Vec3(planned.x(), planned.y(), plan.zmp_height)).head<2>();
   const Vec2 measured = measured_zmp(*record.truth, support_plane(soles, plan.contact));
@@ -51,6 +55,7 @@ nlohmann::json TrackingError::json() const {
     return squares_.ticks > 0 ? std::sqrt(sum / static_cast<double>(squares_.ticks)) : 0.0;
   };
   return {{"com_rms_m", rms(squares_.com)},
+          {"com_estimated_rms_m", rms(squares_.com_estimated)},
           {"sole_rms_m", rms(squares_.sole)},
           {"hand_rms_m", rms(squares_.hand)},
           {"zmp_rms_m", forces_ || squares_.ticks == 0 ? nlohmann::json(rms(squares_.zmp)) : nlohmann::json()},

@@ -23,6 +23,7 @@ class TrackingError {
   /// Sums of squared errors over the ticks [m²]; for soles and hands the mean of both sides.
   struct Squares {
     double com = 0.0;
+    double com_estimated = 0.0;
     double sole = 0.0;
     double hand = 0.0;
     double zmp = 0.0;

@@ -284,6 +284,11 @@ TEST(Soak, TheRealPlantIsDrawnBySeedAndComesUnderAnyScenario) {
   EXPECT_EQ(run_of({"--scenario", "nominal"}, "d.json"), real) << "the default";
   EXPECT_NE(run_of({"--scenario", "friction", "--plant", "real"}, "e.json"), real);
   EXPECT_EQ(scratch.json("b.json")["plant"], "real");
+  run_of({"--scenario", "mount", "--plant", "model"}, "f.json");
+  const nlohmann::json mount = scratch.json("f.json")["scenarios"]["mount"]["tracking"];
+  EXPECT_LT(mount["com_estimated_rms_m"], 0.5 * mount["com_rms_m"].get<double>())
+      << "an IMU askew, which it cannot know";
+  EXPECT_GT(mount["com_estimated_rms_m"], 0.0);
   EXPECT_EQ(scratch.json("a.json")["plant"], "model");
 }
 
