@@ -2,7 +2,7 @@
 BUILD := build/release
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
-FUZZ_TARGETS := script profile urdf page recording motion link rcss unitree
+FUZZ_TARGETS := script arms calibration profile urdf page recording motion link rcss unitree
 ARGS ?=
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)

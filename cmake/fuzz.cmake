@@ -12,7 +12,10 @@ list(
   baton/bridge/rcss_message.cpp
   baton/bridge/sexpr.cpp
   baton/cockpit/protocol.cpp
+  baton/guide/arm_trajectory.cpp
   baton/guide/command.cpp
+  baton/input/arm_script.cpp
+  baton/input/arm_targets_json.cpp
   baton/input/json_reader.cpp
   baton/input/script.cpp
   baton/link/message.cpp
@@ -24,6 +27,7 @@ list(
   baton/record/recording_channels.cpp
   baton/record/recording_reader.cpp
   baton/record/ros_messages.cpp
+  baton/robot/calibration.cpp
   bridge/unitree/factory_gait.cpp
   bridge/unitree/joints.cpp
   bridge/unitree/messages.cpp
@@ -53,7 +57,7 @@ target_link_libraries(
   PRIVATE baton_options)
 
 add_custom_target(fuzz)
-foreach(target script profile urdf page recording motion link rcss unitree)
+foreach(target script arms calibration profile urdf page recording motion link rcss unitree)
   add_executable(fuzz_${target} EXCLUDE_FROM_ALL tests/fuzz/fuzz_${target}.cpp)
   set_target_properties(fuzz_${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   target_link_libraries(fuzz_${target} PRIVATE baton_fuzzed baton_options)
