@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kPlanning = 0.03;   ///< longest delay of a planner's answer [s]
 constexpr double kGoneFor = 6.0;     ///< time without a driver, at the end [s]
+constexpr double kCools = 3.0;       ///< longest time of a motion to a straighter posture [s]
 constexpr double kFaultEvery = 1.5;  ///< on average [s]
 
 /// Says what a driver says, with a random stick.
@@ -170,14 +171,18 @@ class LinkRun {
     }
     hang_up();
     const double end = now_ + kGoneFor;
-    for (; now_ < end && result_.fall.empty(); pass()) {
+    // A robot whose motors are hot stands straighter by itself, whenever that is.
+    for (; (now_ < end || (!rests() && now_ < end + kCools)) && result_.fall.empty(); pass()) {
     }
-    const link::Onboard* onboard = server_.onboard();  // null: no driver has taken over, and it stands as it began
-    result_.rests = result_.fall.empty() && (onboard == nullptr || onboard->rests());
+    result_.rests = rests();
     return std::move(result_);
   }
 
  private:
+  [[nodiscard]] bool rests() const {
+    const link::Onboard* onboard = server_.onboard();  // null: no driver has taken over, and it stands as it began
+    return result_.fall.empty() && (onboard == nullptr || onboard->rests());
+  }
   static SimulatedRobot::Parameters physics(const RobotModel& robot, std::uint64_t seed) {
     SimulatedRobot::Parameters parameters;
     parameters.plant = plant_of(true, nullptr, robot, static_cast<long>(seed), 1.0);

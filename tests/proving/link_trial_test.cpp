@@ -41,6 +41,13 @@ TEST_P(LinkTrialTest, WhateverHappensToTheConnectionTheRobotStandsAndComesToRest
     EXPECT_THAT(log, testing::HasSubstr(said));
 }
 
+// At the instant at which a trial ends otherwise, its motors are hot, and it stands straighter by itself.
+TEST(LinkTrial, ARobotThatCoolsDownHasComeToRest) {
+  const LinkTrialResult result = run_link_trial(test::robot("mighty"), World::load("flat"), {300223, {}, 10.0});
+  EXPECT_EQ(result.fall, "");
+  EXPECT_TRUE(result.rests);
+}
+
 TEST_P(LinkTrialTest, ItIsAFunctionOfItsSeed) {
   const RobotModel& robot = test::robot(GetParam());
   const World world = World::load("flat");
