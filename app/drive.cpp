@@ -26,6 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFrame{33};
+const Command kHome{.recall = Recall::home};
 constexpr std::chrono::seconds kReload{3};  ///< a page gone for longer has been closed
 
 /// "left foot: refused 3 times in a row; another part may move, and retrace (Backspace, T3, Back) leads out"
@@ -103,7 +104,7 @@ int drive(const DriveOptions& o) {
   }
   Simulation& simulation = *given;
   Session& session = simulation.session();
-  const auto engaging = [&] { return remote ? remote->engaging() : std::nullopt; };
+  const auto engaging = [&] { return remote && remote->engaging(); };
   std::vector<NamedFile> read = files_read(o.robot, robot, world);
   read.push_back({"--input", inputs.script()});
   read.push_back({"--arms", arms_file});
@@ -143,7 +144,12 @@ int drive(const DriveOptions& o) {
     std::fflush(stdout);
   }
 
-  if (remote) remote->catch_up();  // time has passed while all was prepared
+  if (remote) {
+    remote->begin(parameters.calibration, [&] {
+      if (view && view->damp_asked()) remote->damp("by the page");
+      return !interrupted;
+    });
+  }
   Durations used, interval;
   long late = 0;
   const Clock::time_point start = Clock::now();
@@ -158,8 +164,7 @@ int drive(const DriveOptions& o) {
   };
   const auto decided = [&] {
     if (stopping) return Command{};
-    const std::optional<Command> instead = engaging();
-    return instead ? *instead : inputs.decide(session.view());
+    return engaging() ? kHome : inputs.decide(session.view());
   };
   const auto drive_arms = [&](const ArmTargets& targets) {
     remote ? remote->drive_arms(session, targets) : session.drive_arms(targets);

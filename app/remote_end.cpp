@@ -7,6 +7,7 @@
 
 #include "app/inputs.hpp"
 #include "app/options.hpp"
+#include "baton/ik/stand.hpp"
 #include "baton/link/echoed_planning.hpp"
 #include "baton/link/engage.hpp"
 #include "baton/link/hanging.hpp"
@@ -17,7 +18,6 @@ namespace baton::app {
 namespace {
 
 constexpr double kSettled = 0.5;  ///< time of rest after which a robot has taken its stance, or cannot [s]
-constexpr double kStood = 1.0;    ///< time of standing after which one that hung stands by itself [s]
 constexpr double kLow = 0.2;      ///< charge of a battery of which the driver is warned
 
 }  // namespace
@@ -48,25 +48,13 @@ RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World
 }
 
 Posture RemoteEnd::start(const World& world, const std::optional<Calibration>& calibration) {
-  if (hangs_ && !welcome().navigates) {
-    spdlog::info("hangs: takes its stance");
-    named_in(address_, [&] { link::take_stance(*model_, *remote_, [] { return !interrupted; }); });
-  }
+  if (hangs_ && !welcome().navigates) return stand(*model_, world.site("start"), model_->profile().stance.com_height);
   const Measurement seen = calibration ? without_errors(remote_->read(), *calibration) : remote_->read();
   const Posture start = named_in(address_, [&] { return link::engage(*model_, world.site("start"), seen.q); });
   in_stance_ = link::in_stance(*model_, start.q.tail(seen.q.size()));
-  engaging_ = hangs_ ? Engaging::gantry : in_stance_ ? Engaging::nothing : Engaging::way_home;
-  if (hangs_ && !in_stance_)
-    throw InputError(fmt::format("--gantry: the robot at {} hangs, but not in its stance: {}", address_,
-                                 "start its own end with --gantry"));
-  if (engaging_ == Engaging::way_home) spdlog::info("takes its stance first");
-  if (engaging_ == Engaging::gantry) spdlog::info("in its stance: lower it until it stands, then slacken the ropes");
+  engaging_ = !in_stance_;
+  if (engaging_) spdlog::info("takes its stance first");
   return start;
-}
-
-std::optional<Command> RemoteEnd::engaging() const {
-  if (engaging_ == Engaging::nothing) return std::nullopt;
-  return engaging_ == Engaging::way_home ? Command{.recall = Recall::home} : Command{};
 }
 
 std::unique_ptr<Planning> RemoteEnd::planning(std::unique_ptr<Planning> planner) const {
@@ -74,8 +62,14 @@ std::unique_ptr<Planning> RemoteEnd::planning(std::unique_ptr<Planning> planner)
   return std::make_unique<link::EchoedPlanning>(*remote_, std::move(planner));
 }
 
-void RemoteEnd::catch_up() {
-  if (!welcome().navigates) remote_->catch_up();  // else the session runs each tick
+void RemoteEnd::begin(const std::optional<Calibration>& calibration, const std::function<bool()>& go_on) {
+  if (welcome().navigates) return;  // the session runs each tick
+  remote_->catch_up();
+  if (!hangs_) return;
+  spdlog::info("hangs: takes its stance");
+  const Calibration errors = calibration ? *calibration : Calibration::none(model_->nv() - 6);
+  named_in(address_, [&] { link::take_stance(*model_, *remote_, errors, go_on); });
+  spdlog::info("in its stance: lower it until it stands, then slacken the ropes");
 }
 
 bool RemoteEnd::step(Session& session, const Command& command) {
@@ -89,10 +83,10 @@ bool RemoteEnd::step(Session& session, const Command& command) {
     } else {
       session.step(command);
     }
-    if (engaging_ == Engaging::way_home) look_engaged(session);
-    if (engaging_ == Engaging::gantry) look_stood(session);
+    if (engaging_) look_engaged(session);
+    if (hangs_) look_lifted(session);
     warn();
-    broken_ = remote_->follows_no_longer();
+    if (const std::string why = remote_->follows_no_longer(); !why.empty()) broken_ = why;
   } catch (const LinkError& error) {
     broken_ = error.what();
   }
@@ -119,8 +113,8 @@ void RemoteEnd::damp(const std::string& because) {
 
 void RemoteEnd::look_engaged(const Session& session) {
   rested_ = session.resting() ? rested_ + 1 : 0;
-  if (static_cast<double>(rested_) * model_->profile().tick.period < kSettled) return;
-  engaging_ = Engaging::nothing;
+  engaging_ = static_cast<double>(rested_) * model_->profile().tick.period < kSettled;
+  if (engaging_) return;
   const VecX& q = session.navigator().state().q;
   if (link::in_stance(*model_, q.tail(q.size() - 7))) {
     spdlog::info("in its stance");
@@ -130,15 +124,11 @@ void RemoteEnd::look_engaged(const Session& session) {
   }
 }
 
-void RemoteEnd::look_stood(const Session& session) {
-  const Guard guard = session.navigator().guard();
-  if (guard == Guard::lifted && guard_ == Guard::armed) spdlog::info("lifted again");
-  if (guard == Guard::armed && guard_ == Guard::lifted) spdlog::info("stands");
-  rested_ = guard == Guard::armed ? rested_ + 1 : 0;
-  guard_ = guard;
-  if (static_cast<double>(rested_) * model_->profile().tick.period < kStood) return;
-  engaging_ = Engaging::nothing;
-  spdlog::info("the stick counts");
+void RemoteEnd::look_lifted(const Session& session) {
+  const auto* changed = find_event<GuardChanged>(session.navigator().events());
+  if (changed == nullptr) return;
+  if (changed->to == Guard::lifted) spdlog::info("lifted");
+  if (changed->to == Guard::armed) spdlog::info("stands, and can be guided");
 }
 
 void RemoteEnd::warn() {

@@ -1,6 +1,7 @@
 /// A robot at the other end of a connection, as `baton drive` has it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,19 +25,22 @@ class RemoteEnd {
   /// The robot itself, once, for a session; it stays known here.
   [[nodiscard]] std::unique_ptr<Robot> robot() { return std::move(owned_); }
   [[nodiscard]] const link::Welcome& welcome() const { return remote_->welcome(); }
-  /// Where a session begins. A robot that hangs takes its stance first.
+  /// Where a session begins: for a robot that hangs, in its stance.
   /// @param calibration what is known of the sensors' errors
   /// @throws InputError the robot does not stand on both soles
   [[nodiscard]] Posture start(const World& world, const std::optional<Calibration>& calibration);
   /// Whether that was in the stance of its profile.
   [[nodiscard]] bool starts_in_stance() const { return in_stance_; }
-  /// What counts in place of the stick, until the robot stands in its stance.
-  [[nodiscard]] std::optional<Command> engaging() const;
+  /// Whether it has not come to its stance yet: the stick does not count until then.
+  [[nodiscard]] bool engaging() const { return engaging_; }
   /// Where that session plans: what a robot that navigates by itself has planned, or by `planner`.
   [[nodiscard]] std::unique_ptr<Planning> planning(std::unique_ptr<Planning> planner) const;
 
-  /// In real time, what has been measured while a run was prepared.
-  void catch_up();
+  /// Call it once all is prepared, right before the first tick: in real time, what has been measured meanwhile is
+  /// left out, and a robot that hangs takes its stance.
+  /// @param go_on asked each tick; false: it is handed back as it is
+  /// @throws InputError, LinkError as `link::take_stance`
+  void begin(const std::optional<Calibration>& calibration, const std::function<bool()>& go_on);
   /// One tick of the session.
   /// @returns whether the robot still follows
   [[nodiscard]] bool step(Session& session, const Command& command);
@@ -51,11 +55,8 @@ class RemoteEnd {
   [[nodiscard]] nlohmann::json json() const;
 
  private:
-  /// What is between a robot and its stance.
-  enum class Engaging { nothing, way_home, gantry };
-
   void look_engaged(const Session& session);
-  void look_stood(const Session& session);
+  void look_lifted(const Session& session);
   void warn();
 
   std::string address_;
@@ -64,10 +65,9 @@ class RemoteEnd {
   link::RemoteRobot* remote_;
   bool hangs_;
   bool in_stance_ = true;
-  Engaging engaging_ = Engaging::nothing;
-  Guard guard_ = Guard::lifted;  ///< before this tick, while it is lowered
-  long rested_ = 0;              ///< ticks, while engaging
-  bool told_ = false;            ///< that the robot has rejected a target
+  bool engaging_ = false;
+  long rested_ = 0;    ///< ticks, while engaging
+  bool told_ = false;  ///< that the robot has rejected a target
   bool stale_ = false;
   bool low_ = false;     ///< its battery, which has been logged
   bool damped_ = false;  ///< that has been asked for

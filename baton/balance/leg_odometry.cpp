@@ -14,6 +14,7 @@ constexpr double kMoves = 0.03;            ///< speed from which a sole in conta
 constexpr double kFootholdRate = 1.6;      ///< at which the foothold of a sole with little load follows the sole [ω]
 constexpr double kLightHeightRate = 16.0;  ///< added for its height, with no load at all: it may not stand yet [ω]
 constexpr double kLight = 0.15;            ///< load below which some of that is added, share of the weight
+constexpr double kFlies = 3.0;             ///< longest time in the air of a robot that nobody holds [1/ω]
 constexpr double kPivots = 0.4;            ///< load below which a tilting sole pivots about its pressure [weight]
 
 }  // namespace
@@ -64,8 +65,10 @@ void LegOdometry::update(const Kinematics& kinematics, const VecX& dq, const Vec
       const Vec3 moves = beyond(Vec3(velocity_ + velocity_from_root[side]), kMoves * unit);
       if (moves.norm() <= kWrong * unit) foothold_[side].head<2>() += period_ * moves.head<2>();
     }
-  } else {
+  } else if (contact.airborne() * robot_->omega() < kFlies) {
     place_ += period_ * velocity_;
+  } else {
+    velocity_.setZero();  // somebody holds it: errors of the accelerometer would carry it off by metres
   }
   for (const Side side : kSides) {
     const Vec3 sole = place_ + from_root[side];

@@ -30,8 +30,8 @@ class Stabiliser {
   /// Joint command for the end of this tick.
   /// @param now planned sample at the time of the measurement
   /// @param next planned sample at the end of this tick
-  /// @param stands how far the robot stands by itself, from 0 to 1: less while it hangs. By as much corrections are
-  /// made and the ankles loaded, and nothing is learned
+  /// @param stands how far the robot stands by itself, from 0 to 1: less while it hangs. Corrections and the moments at
+  /// the ankles are scaled by it; below 1 nothing is learned
   [[nodiscard]] const JointTarget& target(const MotionSample& now, const MotionSample& next, const State& state,
                                           double stands = 1.0);
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "baton/ik/stand.hpp"
-#include "baton/link/engage.hpp"
 #include "baton/model/contact.hpp"
 #include "baton/model/error.hpp"
 
@@ -16,6 +16,7 @@ namespace {
 constexpr double kOutside = 0.1;   ///< of its range, by which a joint may begin [rad]
 constexpr double kStep = 0.02;     ///< of the way, between two checks of distances [rad]
 constexpr double kCarries = 0.1;   ///< load of the soles from which the robot does not hang [weight]
+constexpr double kOff = 0.15;      ///< largest difference of a joint from where it should be at the end [rad]
 constexpr double kCarrying = 0.1;  ///< time for which that has to last [s]
 constexpr double kSettles = 0.5;   ///< time at the stance before that is looked at [s]
 constexpr double kPeak = 1.875;    ///< largest speed of a minimum-jerk way, of its mean
@@ -73,6 +74,13 @@ void WayToStance::check(const VecX& q) {
   }
 }
 
+VecX WayToStance::off(const VecX& q) const {
+  VecX off = from_ + way_ - q;
+  for (Eigen::Index j = 0; j < off.size(); ++j)
+    off[j] += torque_[j] / robot_->joints()[static_cast<std::size_t>(j)].gains.kp;
+  return off;
+}
+
 JointTarget WayToStance::next() {
   t_ = std::min(t_ + robot_->profile().tick.period, duration_);
   const Progress at = progress(t_ / duration_);
@@ -82,24 +90,33 @@ JointTarget WayToStance::next() {
   return target;
 }
 
-void take_stance(const RobotModel& model, RemoteRobot& robot, const std::function<bool()>& go_on) {
+void take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration& errors,
+                 const std::function<bool()>& go_on) {
   const double period = model.profile().tick.period;
-  WayToStance way(model, robot.read().q);
+  robot.catch_up();  // what was measured while all was prepared
+  WayToStance way(model, without_errors(robot.read(), errors).q);
+  const auto given_up = [&](const std::string& why) { return LinkError(robot.address().text() + ": " + why); };
   double carries = 0.0;
   for (double held = 0.0; held < kSettles; held += way.done() ? period : 0.0) {
-    if (!go_on()) throw LinkError("interrupted on the way to the stance: the robot's joints stay where they are");
-    robot.write(way.next());
+    if (!go_on()) throw given_up("interrupted on the way to the stance: the robot is handed back as it is");
+    robot.catch_up();
+    JointTarget target = way.next();
+    target.q += errors.encoder_zero;
+    robot.write(target);
     if (const std::string why = robot.follows_no_longer(); !why.empty()) throw LinkError(why);
     double load = 0.0;
     for (const Side side : kSides)
-      load += robot.read().sole[side].force.z();
-    carries = load > kCarries * model.mass() * kGravity ? carries + period : 0.0;  // without such sensors it is not
+      load += std::fmax(robot.read().sole[side].force.z(), 0.0);  // 0 without such a sensor
+    carries = load > kCarries * model.mass() * kGravity ? carries + period : 0.0;
     if (carries > kCarrying)
       throw InputError(
           fmt::format("--gantry: the soles carry {:.0f} N: the robot must hang, with its feet in the air", load));
   }
-  if (!in_stance(model, robot.read().q))
-    throw LinkError("the robot's joints do not come to its stance: is something in their way, or are its servos off?");
+  const VecX off = way.off(without_errors(robot.read(), errors).q);
+  Eigen::Index joint = 0;
+  if (off.cwiseAbs().maxCoeff(&joint) <= kOff) return;
+  throw given_up(fmt::format("{} is {:.3f} rad from the stance: must be within {}; is something in its way?",
+                             model.joints()[static_cast<std::size_t>(joint)].name, off[joint], kOff));
 }
 
 }  // namespace baton::link

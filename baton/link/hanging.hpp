@@ -5,6 +5,7 @@
 
 #include "baton/link/remote_robot.hpp"
 #include "baton/model/kinematics.hpp"
+#include "baton/robot/calibration.hpp"
 
 namespace baton::link {
 
@@ -23,6 +24,8 @@ class WayToStance {
   [[nodiscard]] bool done() const { return t_ >= duration_; }
   /// The target for the end of the next tick; at the end of the way, the last one again.
   [[nodiscard]] JointTarget next();
+  /// How far the joints are from where a servo holds those of a robot that hangs, at the end of the way [rad].
+  [[nodiscard]] VecX off(const VecX& q) const;
 
  private:
   void check(const VecX& q);
@@ -33,9 +36,11 @@ class WayToStance {
 };
 
 /// Lets a robot that follows targets and hangs take its stance.
-/// @param go_on asked each tick; false: it shall stay where it is
+/// @param errors of its sensors, as far as they are known
+/// @param go_on asked each tick; false: the robot is handed back as it is
 /// @throws InputError its soles carry it, or there is no such way
 /// @throws LinkError it is gone, damped, follows no longer, does not come there, or shall not go on
-void take_stance(const RobotModel& model, RemoteRobot& robot, const std::function<bool()>& go_on);
+void take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration& errors,
+                 const std::function<bool()>& go_on);
 
 }  // namespace baton::link

@@ -76,6 +76,7 @@ class RemoteRobot : public Robot {
   /// @throws LinkError it is gone
   void damp(const std::string& because);
 
+  [[nodiscard]] const Address& address() const { return parameters_.address; }
   [[nodiscard]] const Welcome& welcome() const { return welcome_; }
   /// Charge of its battery, 0 to 1; NaN: unknown.
   [[nodiscard]] double battery() const { return reading_.battery; }

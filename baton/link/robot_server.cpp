@@ -76,7 +76,7 @@ void RobotServer::serve(Socket::Time limit) {
   }
   std::chrono::nanoseconds wait = more_ ? Socket::Time(0) : limit;
   if (parameters_.remote != nullptr) {
-    wait = runs_ ? 0ns : std::min<std::chrono::nanoseconds>(wait, period());
+    wait = runs_ || parameters_.hold ? 0ns : std::min<std::chrono::nanoseconds>(wait, period());
   } else if (parameters_.real_time && (runs_ || observer_)) {
     wait = std::clamp<std::chrono::nanoseconds>(due_ - parameters_.now(), 0ns, wait);
   }
@@ -435,6 +435,10 @@ void RobotServer::advance_remote() {
   RemoteRobot& remote = *parameters_.remote;
   if (runs_) {
     advance();  // up to its next measurement
+  } else if (parameters_.hold && state_ != State::damped) {
+    remote.catch_up();
+    robot_->write(*parameters_.hold);
+    look();
   } else {
     remote.catch_up();
     if (remote.read().t != reading_.measurement.t) look();

@@ -31,6 +31,8 @@ class RobotServer {
     /// Connection to the robot itself, if that follows targets somewhere else and is balanced from here. In real time
     /// only, by the clock of that robot; null: `robot` is moved from here.
     RemoteRobot* remote = nullptr;
+    /// What that robot is told until the first driver has taken over; none: nothing.
+    std::optional<JointTarget> hold{};
     /// In real time: a target is written as soon as it has come, and once. For a robot that moves by itself, not in
     /// `write`, and stays where the last target was.
     bool immediate = false;

@@ -69,7 +69,7 @@ void Watch::update_guard(bool centred) {
       if (lasts(carried < kLifted, kLifting)) guard_ = Guard::lifted;
       break;
     case Guard::lifted:
-      if (lasts(carried > kStands && centred, kLifting)) guard_ = Guard::armed;
+      if (lasts(carried > kStands && feels() && centred, kLifting)) guard_ = Guard::armed;
       break;
     case Guard::fallen:
       if (lasts(stands_upright(), kStill)) guard_ = Guard::stood_up;
@@ -86,7 +86,12 @@ double Watch::carried() const {
 }
 
 double Watch::stands() const {
-  return guard_ == Guard::lifted ? std::clamp(carried() / kStands, 0.0, 1.0) : 1.0;
+  if (guard_ != Guard::lifted) return 1.0;
+  return feels() ? std::clamp(carried() / kStands, 0.0, 1.0) : 0.0;
+}
+
+bool Watch::feels() const {
+  return sensors_.health(Sensor::forces) == Health::good && sensors_.health(Sensor::torques) == Health::good;
 }
 
 void Watch::fall() {

@@ -46,7 +46,8 @@ class Watch {
 
   /// Says that the robot hangs, before the first tick: it is armed once it stands.
   void hang() { guard_ = Guard::lifted; }
-  /// How far the robot stands by itself, from 0 to 1: 1, unless it was lifted and its soles carry less than half of it.
+  /// How far the robot stands by itself, from 0 to 1: 1, unless it was lifted and its soles carry less than half of its
+  /// weight.
   [[nodiscard]] double stands() const;
   /// Re-arms the robot, once it stands again.
   void arm();
@@ -86,6 +87,8 @@ class Watch {
  private:
   /// By the soles, of the weight.
   [[nodiscard]] double carried() const;
+  /// Whether that is measured: else the plan takes its place, by which a robot that hangs stands.
+  [[nodiscard]] bool feels() const;
   void update_guard(bool centred);
   void fall();
   void update_disturbed(const MotionSample& planned, const Pose& anchor);

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include "baton/ik/stand.hpp"
 #include "baton/link/engage.hpp"
+#include "baton/link/target_check.hpp"
 #include "baton/model/error.hpp"
 #include "baton/proving/stick.hpp"
 #include "baton/robot/simulated_robot.hpp"
@@ -164,6 +166,59 @@ TEST_P(HangingTest, IsLiftedOutOfAWalkAndSetDownAgain) {
   EXPECT_GT(highest, start.q[2] + 0.15 * height_);
   EXPECT_EQ(session.navigator().guard(), Guard::armed);
   EXPECT_TRUE(session.resting());
+}
+
+// However long it hangs, its position does not drift, so that nothing jumps when it lands: a robot's end would refuse.
+TEST_P(HangingTest, HangsForLongAndLandsWithoutAJump) {
+  const World world = World::load("flat");
+  for (const std::uint64_t seed : {1U, 2U}) {
+    Posture start = stand(robot_, world.site("start"), height_);
+    const Posture standing = start;
+    start.q[2] += 0.2 * height_;
+    SimulatedRobot simulated(robot_, world, start, period_, {.plant = real_plant(robot_, 280 + seed), .hangs = true});
+    Session session(robot_, world, simulated, standing,
+                    {.source = seed == 1 ? StateSource::sensors : StateSource::torques, .hangs = true});
+    TargetCheck check(robot_);
+    std::string rejected;
+    Hooks hooks;
+    hooks.tick = [&](const TickRecord& record) {
+      if (record.t == 0.0) check.begin(commanded(record.target));
+      const auto why = check.reject({0, commanded(record.target), record.target.dq, record.target.tau}, record.measurement.q);
+      if (why && rejected.empty()) rejected = *why;
+    };
+    session.add(hooks);
+    for (long k = 0; k < std::lround(40.0 / period_); ++k) {
+      if (static_cast<double>(k) * period_ > 30.0) simulated.move_gantry(-0.4 * height_);
+      session.step({});
+      ASSERT_FALSE(simulated.truth()->fallen) << "seed " << seed << ": " << simulated.truth()->fall;
+    }
+    EXPECT_EQ(rejected, "") << "seed " << seed;
+    EXPECT_EQ(session.navigator().guard(), Guard::armed) << "seed " << seed;
+    EXPECT_LT((session.navigator().state().q.head<2>() - standing.q.head<2>()).norm(), 0.5 * height_);
+  }
+}
+
+// By a plan in place of what is not measured, a robot stands wherever it is.
+TEST_P(HangingTest, WithoutASensorOfItsLoadItDoesNotStand) {
+  const World world = World::load("flat");
+  Posture start = stand(robot_, world.site("start"), height_);
+  const Posture standing = start;
+  start.q[2] += 0.2 * height_;
+  class Numb : public SimulatedRobot {
+   public:
+    using SimulatedRobot::SimulatedRobot;
+    [[nodiscard]] Measurement read() override {
+      Measurement measurement = SimulatedRobot::read();
+      measurement.sole.right.force.setConstant(std::numeric_limits<double>::quiet_NaN());
+      return measurement;
+    }
+  };
+  Numb simulated(robot_, world, start, period_, {.plant = real_plant(robot_, 290), .hangs = true});
+  Session session(robot_, world, simulated, standing, {.hangs = true});
+  for (long k = 0; k < std::lround(4.0 / period_); ++k) {
+    session.step({});
+    ASSERT_EQ(session.navigator().guard(), Guard::lifted);
+  }
 }
 
 TEST(WayToStanceTest, NamesWhatIsInTheWay) {

@@ -143,12 +143,12 @@ def test_it_stands_walks_stops_and_is_handed_back(hanging, script):
 @in_real_time
 def test_its_driver_leads_it_from_hanging_limp_to_a_walk(limp, script):
     network, robot, bridge = limp
-    stick = script((0, "trunk", 1), (24, None, 0))  # of somebody who cannot wait
-    driver = Driver(network, robot, bridge, stick, 26, "--gantry")
+    stick = script((0, "trunk", 0), (13, None, 1), (25, None, 0))
+    driver = Driver(network, robot, bridge, stick, 27, "--gantry")
     driver.await_log("in its stance")
     robot.type(f"height {SLACK}")
-    driver.await_log("the stick counts", 15.0)
-    seen = wait(robot, 12.0)
+    driver.await_log("stands, and can be guided", 12.0)
+    seen = wait(robot, 20.0)
     assert stands(seen)
     print(f"it walked {seen[-1]['x'] - seen[0]['x']:.3f} m")
     assert seen[-1]["x"] > seen[0]["x"] + 0.1
