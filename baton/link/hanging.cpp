@@ -13,13 +13,13 @@
 namespace baton::link {
 namespace {
 
-constexpr double kOutside = 0.1;   ///< of its range, by which a joint may begin [rad]
-constexpr double kStep = 0.02;     ///< of the way, between two checks of distances [rad]
-constexpr double kCarries = 0.1;   ///< load of the soles from which the robot does not hang [weight]
-constexpr double kOff = 0.15;      ///< largest difference of a joint from where it should be at the end [rad]
-constexpr double kCarrying = 0.1;  ///< time for which that has to last [s]
-constexpr double kSettles = 0.5;   ///< time at the stance before that is looked at [s]
-constexpr double kPeak = 1.875;    ///< largest speed of a minimum-jerk way, of its mean
+constexpr double kOutside = 0.1;      ///< of its range, by which a joint may begin [rad]
+constexpr double kCheckEvery = 0.02;  ///< of the way, between two checks of distances [rad]
+constexpr double kCarries = 0.1;      ///< load of the soles from which the robot does not hang [weight]
+constexpr double kOff = 0.15;         ///< largest difference of a joint from where it should be at the end [rad]
+constexpr double kCarrying = 0.1;     ///< time for which that has to last [s]
+constexpr double kSettles = 0.5;      ///< time at the stance before that is looked at [s]
+constexpr double kPeak = 1.875;       ///< largest speed of a minimum-jerk way, of its mean
 
 struct Progress {
   double share, rate;
@@ -57,7 +57,7 @@ void WayToStance::check(const VecX& q) {
   VecX whole = VecX::Zero(robot_->nq());
   whole[3] = 1.0;
   const double margin = robot_->profile().margin.self_collision;
-  const int steps = 1 + static_cast<int>(way_.cwiseAbs().maxCoeff() / kStep);
+  const int steps = 1 + static_cast<int>(way_.cwiseAbs().maxCoeff() / kCheckEvery);
   double least = margin;
   for (int step = 0; step <= steps; ++step) {
     whole.tail(q.size()) = q + way_ * step / steps;
