@@ -105,8 +105,9 @@ int robot(const RobotOptions& o) {
     sim = simulated(o, model, world);
   }
   link::RobotServer server(model, o.on ? *behind : *sim.robot, std::move(parameters));
-  fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again, Ctrl-C: end\n", model.profile().name,
-             world.name(), server.address().text());
+  fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again{}, Ctrl-C: end\n", model.profile().name,
+             world.name(), server.address().text(),
+             o.gantry && o.sim ? ", l and Enter: lower it, r and Enter: raise it" : "");
   std::fflush(stdout);
   const auto key = [&](const std::string& line) {
     const bool means = o.gantry && o.sim && (line == "l" || line == "r");
