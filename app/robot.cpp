@@ -38,10 +38,7 @@ std::unique_ptr<Robot> robot_behind(const RobotOptions& o, const RobotModel& mod
   parameters.remote = remote.get();
   if (o.gantry) {
     spdlog::info("hangs: takes its stance");
-    link::take_stance(model, *remote, Calibration::none(model.nv() - 6), [] { return !interrupted; });
-    const Posture stance = stand(model, Pose{}, model.profile().stance.com_height);
-    const VecX zero = VecX::Zero(model.nv() - 6);
-    parameters.hold = JointTarget{stance.q.tail(zero.size()), zero, zero, zero, {true, true}, {}};
+    parameters.hold = link::take_stance(model, *remote, Calibration::none(model.nv() - 6), [] { return !interrupted; });
     spdlog::info("in its stance: lower it until it stands once a driver has taken over");
   }
   return remote;

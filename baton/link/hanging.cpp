@@ -90,17 +90,18 @@ JointTarget WayToStance::next() {
   return target;
 }
 
-void take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration& errors,
-                 const std::function<bool()>& go_on) {
+JointTarget take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration& errors,
+                        const std::function<bool()>& go_on) {
   const double period = model.profile().tick.period;
   robot.catch_up();  // what was measured while all was prepared
   WayToStance way(model, without_errors(robot.read(), errors).q);
   const auto given_up = [&](const std::string& why) { return LinkError(robot.address().text() + ": " + why); };
+  JointTarget target;
   double carries = 0.0;
   for (double held = 0.0; held < kSettles; held += way.done() ? period : 0.0) {
     if (!go_on()) throw given_up("interrupted on the way to the stance: the robot is handed back as it is");
     robot.catch_up();
-    JointTarget target = way.next();
+    target = way.next();
     target.q += errors.encoder_zero;
     robot.write(target);
     if (const std::string why = robot.follows_no_longer(); !why.empty()) throw LinkError(why);
@@ -114,7 +115,7 @@ void take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration&
   }
   const VecX off = way.off(without_errors(robot.read(), errors).q);
   Eigen::Index joint = 0;
-  if (off.cwiseAbs().maxCoeff(&joint) <= kOff) return;
+  if (off.cwiseAbs().maxCoeff(&joint) <= kOff) return target;
   throw given_up(fmt::format("{} is {:.3f} rad from the stance: must be within {}; is something in its way?",
                              model.joints()[static_cast<std::size_t>(joint)].name, off[joint], kOff));
 }

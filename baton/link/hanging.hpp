@@ -38,9 +38,10 @@ class WayToStance {
 /// Lets a robot that follows targets and hangs take its stance.
 /// @param errors of its sensors, as far as they are known
 /// @param go_on asked each tick; false: the robot is handed back as it is
+/// @returns the target that holds it there
 /// @throws InputError its soles carry it, or there is no such way
 /// @throws LinkError it is gone, damped, follows no longer, does not come there, or shall not go on
-void take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration& errors,
-                 const std::function<bool()>& go_on);
+JointTarget take_stance(const RobotModel& model, RemoteRobot& robot, const Calibration& errors,
+                        const std::function<bool()>& go_on);
 
 }  // namespace baton::link
