@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kOutside = 0.1;      ///< of its range, by which a joint may begin [rad]
 constexpr double kCheckEvery = 0.02;  ///< of the way, between two checks of distances [rad]
+constexpr double kSlides = 0.01;      ///< by which links that are too close may come closer [COM height]
 constexpr double kCarries = 0.1;      ///< load of the soles from which the robot does not hang [weight]
 constexpr double kOff = 0.15;         ///< largest difference of a joint from where it should be at the end [rad]
 constexpr double kCarrying = 0.1;     ///< time for which that has to last [s]
@@ -58,19 +59,19 @@ void WayToStance::check(const VecX& q) {
   whole[3] = 1.0;
   const double margin = robot_->profile().margin.self_collision;
   const int steps = 1 + static_cast<int>(way_.cwiseAbs().maxCoeff() / kCheckEvery);
-  double least = margin;
+  double least = 0.0;
   for (int step = 0; step <= steps; ++step) {
     whole.tail(q.size()) = q + way_ * step / steps;
     kinematics.set(whole);
     std::array<int, 2> pair{-1, -1};
     const double distance = kinematics.self_distance(margin, &pair);
-    // Links that are near each other already may part.
-    if (step == 0) least = std::clamp(distance, 0.0, margin);
-    if (distance < least - 1e-4)
+    // Limp arms lie against the body: what touches already may slide along it, until it has parted.
+    if (step == 0) least = distance - kSlides * robot_->profile().stance.com_height;
+    if (distance >= margin) least = margin;
+    if (distance < least)
       throw InputError(fmt::format("{}: on the way to its stance {} would come within {:.1f} mm of {}: move them apart",
                                    robot_->profile().name, name_of(robot_->mj(), mjOBJ_GEOM, pair[0]),
                                    1e3 * std::max(distance, 0.0), name_of(robot_->mj(), mjOBJ_GEOM, pair[1])));
-    least = std::max(least, std::min(distance, margin));
   }
 }
 

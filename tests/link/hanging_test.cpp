@@ -73,7 +73,7 @@ TEST_P(HangingTest, TheWayIsSmoothSlowAndEndsInTheStance) {
       ASSERT_LE((next.q - before.q - 0.5 * period_ * (next.dq + before.dq)).cwiseAbs().maxCoeff(), 1e-5);
       whole.tail(n_) = next.q;
       kinematics.set(whole);
-      ASSERT_GE(kinematics.self_distance(margin), first - 1e-3);
+      ASSERT_GE(kinematics.self_distance(margin), first < margin ? first - 0.011 * height_ : margin - 1e-3);
       before = next;
     }
     EXPECT_LT((before.q - stance_.q.tail(n_)).cwiseAbs().maxCoeff(), 1e-9);
@@ -183,7 +183,8 @@ TEST_P(HangingTest, HangsForLongAndLandsWithoutAJump) {
     Hooks hooks;
     hooks.tick = [&](const TickRecord& record) {
       if (record.t == 0.0) check.begin(commanded(record.target));
-      const auto why = check.reject({0, commanded(record.target), record.target.dq, record.target.tau}, record.measurement.q);
+      const auto why =
+          check.reject({0, commanded(record.target), record.target.dq, record.target.tau}, record.measurement.q);
       if (why && rejected.empty()) rejected = *why;
     };
     session.add(hooks);

@@ -102,9 +102,12 @@ def test_damp_is_latched_whoever_asks_for_it():
 @pytest.mark.parametrize("mode", [(), ("--real-time",)])
 def test_a_robot_that_hangs_takes_its_stance_is_lowered_and_walks(mode, tmp_path):
     recording, report = tmp_path / "run.mcap", tmp_path / "report.json"
-    files = ("--record", recording, "--report", report)
+    stick = tmp_path / "stick.jsonl"
+    stick.write_text('{"t": 0, "guide": "trunk"}\n{"t": 6, "axes": [1, 0, 0, 0, 0, 0]}\n')
     with simulated("--targets", "--gantry", *mode) as end:
-        driver = subprocess.Popen(drive_command(end.address, 14, "--gantry", *files), stderr=subprocess.PIPE, text=True)
+        command = [BATON, "drive", "--on", end.address, "--gantry", "--world", "flat", "--headless", "--seconds", "14",
+                   "--input", f"script:{stick}", "--record", recording, "--report", report]  # fmt: skip
+        driver = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         said = []
         for line in driver.stderr:
             said.append(line.strip().removeprefix("info: "))
