@@ -18,11 +18,14 @@ ArmTargets arm_targets_in(const JsonReader& read) {
   if (!read.has("at") && !read.has("q")) return targets;
   for (const JsonReader& t : read.at("at").list())
     targets.t.push_back(t.number());
-  const std::vector<JsonReader> rows = read.at("q").list(targets.t.size());
-  targets.q.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(targets.joints.size()));
+  const auto columns = static_cast<Eigen::Index>(targets.joints.size());
+  std::vector<VecX> rows;
+  for (const JsonReader& row : read.at("q").list(targets.t.size()))
+    rows.push_back(row.vector(columns));
+  // Only now: many names and times alone would make it larger than any memory.
+  targets.q.resize(static_cast<Eigen::Index>(rows.size()), columns);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    targets.q.row(static_cast<Eigen::Index>(i)) =
-        rows[i].vector(static_cast<Eigen::Index>(targets.joints.size())).transpose();
+    targets.q.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
   return targets;
 }
 

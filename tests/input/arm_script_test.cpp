@@ -43,6 +43,14 @@ TEST(ArmScriptTest, ChunksAreReadAsTheyWereWritten) {
   EXPECT_EQ(again.q, targets.q);
 }
 
+TEST(ArmScriptTest, ManyNamesAndTimesWithoutTargetsTakeNoMemory) {
+  constexpr std::size_t kMany = 100'000;
+  const nlohmann::json json = {{"joints", std::vector<std::string>(kMany, "")},
+                               {"at", std::vector<double>(kMany, 0.0)},
+                               {"q", std::vector<std::vector<double>>(kMany)}};
+  EXPECT_THROW(static_cast<void>(arm_targets_in(JsonReader(json, "here"))), InputError);
+}
+
 TEST(ArmScriptTest, WhatIsWrongIsNamedWithItsLine) {
   const std::vector<std::pair<std::string, std::string>> wrong{
       {"", "empty"},
