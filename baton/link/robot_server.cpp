@@ -16,9 +16,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// What a peer does not take at once is more than what it is owed: it does not listen.
-constexpr Socket::Time kAtOnce{0};
-constexpr std::chrono::seconds kGreeting{5};  ///< by which a connection has to say what it wants
+constexpr std::size_t kMostUnsent = kLongest + (1U << 16U);  ///< a peer that leaves more does not listen [bytes]
+constexpr std::chrono::seconds kGreeting{5};                 ///< by which a connection has to say what it wants
 constexpr std::size_t kMostGuests = 16;
 constexpr int kMostInTurn = 16;                              ///< messages of one peer before others are heard
 constexpr std::chrono::seconds kRefusals{1};                 ///< of refusals within this time one is logged
@@ -72,7 +71,9 @@ void RobotServer::serve(Socket::Time limit) {
   for (const Peer& guest : guests_)
     all.push_back({guest.socket.descriptor(), POLLIN, 0});
   for (const std::optional<Peer>* peer : {&driver_, &observer_}) {
-    if (*peer) all.push_back({(*peer)->socket.descriptor(), POLLIN, 0});
+    if (!*peer) continue;
+    const short events = (*peer)->unsent.empty() ? POLLIN : POLLIN | POLLOUT;
+    all.push_back({(*peer)->socket.descriptor(), events, 0});
   }
   std::chrono::nanoseconds wait = more_ ? Socket::Time(0) : limit;
   if (parameters_.remote != nullptr) {
@@ -115,6 +116,7 @@ void RobotServer::hear_all() {
 bool RobotServer::listen_to(Peer& peer, std::string& why) {
   why.clear();
   try {
+    if (!peer.unsent.empty()) tell(peer, {});
     std::exception_ptr gone;  // after what it has said before
     try {
       while (peer.stream.bytes().size() < kMostAtOnce && peer.socket.receive(peer.stream.bytes(), Socket::Time(0))) {
@@ -148,7 +150,7 @@ void RobotServer::accept() {
   while (std::optional<Socket> socket = listener_.accept()) {
     // Who has been silent longest makes room: nobody can keep away the one who damps.
     if (guests_.size() >= kMostGuests) guests_.erase(guests_.begin());
-    guests_.push_back({*std::move(socket), {}, parameters_.now()});
+    guests_.push_back({*std::move(socket), {}, {}, parameters_.now()});
   }
 }
 
@@ -202,7 +204,7 @@ bool RobotServer::greet(Peer& peer, const Message& message) {
     return refuse(peer, "busy", "somebody else controls this robot: nothing is commanded from here");
   if (hello.role == Role::damp) {
     damp("asked for over the network");
-    peer.socket.send(framed(Type::damp, encode_text(damped_because_)), kAtOnce);
+    tell(peer, framed(Type::damp, encode_text(damped_because_)));
     return false;
   }
   if (state_ == State::damped) return refuse(peer, "damped", damped_because_);
@@ -233,7 +235,7 @@ void RobotServer::welcome(Peer& peer, Role role) {
   welcome.on = parameters_.on;
   welcome.world = parameters_.world;
   welcome.navigates = parameters_.navigates_in != nullptr;
-  peer.socket.send(framed(Type::welcome, encode(welcome)), kAtOnce);
+  tell(peer, framed(Type::welcome, encode(welcome)));
   peer.welcomed = true;  // `serve` makes it the driver or observer
 }
 
@@ -310,17 +312,17 @@ void RobotServer::drive_arms(Peer& peer, const Message& message) {
   try {
     onboard_->drive_arms(targets);
   } catch (const InputError& error) {
-    peer.socket.send(framed(Type::rejected, encode_text(error.what())), kAtOnce);
+    tell(peer, framed(Type::rejected, encode_text(error.what())));
     return;
   }
-  peer.socket.send(framed(Type::arms, message.body), kAtOnce);  // so that it knows from which tick on they count
+  tell(peer, framed(Type::arms, message.body));  // so that it knows from which tick on they count
 }
 
 void RobotServer::follow(Peer& peer, const Message& message) {
   const Target target = decode_target(message.body, model_->nv() - 6);
   if (const std::optional<std::string> why = judge(target)) {
     if (rejections_++ % kEveryRejection == 0) parameters_.log("target rejected: " + *why);
-    peer.socket.send(framed(Type::rejected, encode_text(*why)), kAtOnce);
+    tell(peer, framed(Type::rejected, encode_text(*why)));
   } else {
     target_.q = target.q;
     target_.dq = target.dq;
@@ -406,7 +408,7 @@ void RobotServer::retire() {
   retired_ = true;
   if (!driver_) return;
   try {
-    driver_->socket.send(framed(Type::bye), kAtOnce);
+    tell(*driver_, framed(Type::bye));
   } catch (const LinkError&) {  // it is gone already
   }
   drop_driver("this end is being ended");
@@ -476,7 +478,13 @@ void RobotServer::send_reading(Peer& peer) {
 void RobotServer::send(Peer& peer, const std::string& message) {
   std::string bytes;
   if (const Truth* truth = robot_->truth()) bytes = framed(Type::truth, encode(*truth));
-  peer.socket.send(bytes + message, kAtOnce);
+  tell(peer, bytes + message);
+}
+
+void RobotServer::tell(Peer& peer, const std::string& bytes) {
+  peer.unsent += bytes;
+  peer.unsent.erase(0, peer.socket.send_some(peer.unsent));
+  if (peer.unsent.size() > kMostUnsent) throw LinkError("the other end takes nothing");
 }
 
 bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::string& text) {
@@ -488,7 +496,7 @@ bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::strin
     refusals_ = 0;
     refused_at_ = now;
   }
-  peer.socket.send(framed(Type::refusal, encode(Refusal{reason, text})), kAtOnce);
+  tell(peer, framed(Type::refusal, encode(Refusal{reason, text})));
   return false;
 }
 
@@ -511,7 +519,7 @@ void RobotServer::damp(const std::string& because) {
   parameters_.log("damped: " + because);
   if (driver_) {
     try {
-      driver_->socket.send(framed(Type::damp, encode_text(because)), kAtOnce);
+      tell(*driver_, framed(Type::damp, encode_text(because)));
     } catch (const LinkError&) {  // `serve` finds that out, too
     }
   }
@@ -529,7 +537,7 @@ void RobotServer::arm() {
     return parameters_.log("not armed: arm the robot at its own end, and start this one again");
   if (driver_) {
     try {
-      driver_->socket.send(framed(Type::bye), kAtOnce);
+      tell(*driver_, framed(Type::bye));
     } catch (const LinkError&) {  // it is gone already
     }
   }

@@ -77,6 +77,7 @@ class RobotServer {
   struct Peer {
     Socket socket;
     Stream stream;
+    std::string unsent;       ///< what its connection has not taken yet
     Clock::time_point since;  ///< of its connection
     bool welcomed = false;
     bool observes = false;
@@ -125,6 +126,9 @@ class RobotServer {
   void send_reading(Peer& peer);
   /// Truth, if there is any, and a message.
   void send(Peer& peer, const std::string& message);
+  /// Sends as much as the peer takes at once, and the rest later.
+  /// @throws LinkError it is gone, or takes nothing
+  static void tell(Peer& peer, const std::string& bytes);
   [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
   /// @param why for the log; "": it is there already
   void drop_driver(const std::string& why);

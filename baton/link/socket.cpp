@@ -186,16 +186,20 @@ int Socket::port() const {
 
 void Socket::send(std::string_view bytes, Time limit) {
   const auto until = std::chrono::steady_clock::now() + limit;
-  while (!bytes.empty()) {
+  while (true) {
+    bytes.remove_prefix(send_some(bytes));
+    if (bytes.empty()) return;
+    if (!ready(descriptor_, POLLOUT, std::chrono::ceil<Time>(until - std::chrono::steady_clock::now())))
+      throw LinkError(fmt::format("the other end takes nothing for {} ms", limit.count()));
+  }
+}
+
+std::size_t Socket::send_some(std::string_view bytes) {
+  while (true) {
     const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (sent >= 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(sent));
-    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (!ready(descriptor_, POLLOUT, std::chrono::ceil<Time>(until - std::chrono::steady_clock::now())))
-        throw LinkError(fmt::format("the other end takes nothing for {} ms", limit.count()));
-    } else if (errno != EINTR) {
-      throw LinkError(fmt::format("the other end is gone: {}", std::strerror(errno)));
-    }
+    if (sent >= 0) return static_cast<std::size_t>(sent);
+    if (errno == EAGAIN || errno == EWOULDBLOCK) return 0;
+    if (errno != EINTR) throw LinkError(fmt::format("the other end is gone: {}", std::strerror(errno)));
   }
 }
 

@@ -55,6 +55,10 @@ class Socket {
   /// Sends all of it.
   /// @throws LinkError the other end is gone, or does not take it in time
   void send(std::string_view bytes, Time limit);
+  /// Sends what is taken at once.
+  /// @returns how much that is [bytes]
+  /// @throws LinkError the other end is gone
+  std::size_t send_some(std::string_view bytes);
   /// Appends what has arrived; waits if nothing has.
   /// @returns whether anything has
   /// @throws LinkError the other end is gone

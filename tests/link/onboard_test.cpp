@@ -61,6 +61,20 @@ class OnboardTest : public testing::TestWithParam<std::string> {
     raw.send(Type::start, encode(start_of(robot_)));
     EXPECT_EQ(raw.answer().type, Type::measurement);
   }
+  /// Arms that move for some seconds.
+  [[nodiscard]] ArmTargets arms() const {
+    ArmTargets targets = released_arms(robot_);
+    targets.t = {0.5, 1.5, 2.5, 3.5};
+    targets.q.resize(4, static_cast<Eigen::Index>(targets.joints.size()));
+    Eigen::Index column = 0;
+    for (const Side side : kSides) {
+      for (const int j : robot_.arm(side)) {
+        const double home = robot_.joints()[static_cast<std::size_t>(j)].home;
+        targets.q.col(column++) << home, home + 0.3, home - 0.3, home;
+      }
+    }
+    return targets;
+  }
   [[nodiscard]] Tick tick(const Message& message) const {
     EXPECT_EQ(message.type, Type::tick);
     return decode_tick(message.body, n_);
@@ -190,6 +204,27 @@ TEST_P(OnboardTest, WhatIsOutOfPlaceEndsTheConnectionAndNotTheMotion) {
   (void)tick(raw.answer());
   raw.send(Type::command, encode(StickPosition{0, {}}));  // twice
   EXPECT_THAT(refused(raw.answer()), HasSubstr("a command after tick 0: must be 1"));
+}
+
+TEST_P(OnboardTest, ManyTargetsForTheArmsDoNotEndAConnectionThatTakesLittleAtATime) {
+  ArmTargets many = arms();
+  const auto columns = static_cast<Eigen::Index>(many.joints.size());
+  const auto rows = static_cast<Eigen::Index>(ArmTrajectory::kMostNumbers) / columns - 1;  // and where they are now
+  many.t.clear();
+  for (Eigen::Index row = 0; row < rows; ++row)
+    many.t.push_back(1.0 + static_cast<double>(row) / 30.0);
+  many.q = 0.1 * MatX::Random(rows, columns);
+  Served served(robot_, {}, "", Served::Pace::lock_step, true);
+  Raw raw(served.address());
+  start(raw);
+  raw.narrow();
+  raw.send(Type::arms, encode(many));
+  raw.send(Type::command, encode(StickPosition{}));
+  served.pass(0);
+  const Message accepted = raw.answer();
+  EXPECT_EQ(accepted.type, Type::arms);
+  EXPECT_EQ(accepted.body, encode(many));
+  EXPECT_EQ(tick(raw.answer()).reading.sequence, 0U);
 }
 
 TEST_P(OnboardTest, ABareRobotTakesNoCommands) {
