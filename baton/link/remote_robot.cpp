@@ -102,8 +102,9 @@ Command RemoteRobot::guide(const Command& command) {
 }
 
 void RemoteRobot::drive_arms(const ArmTargets& targets) {
+  arms_sent_.push_back(encode(targets));
   try {
-    socket_.send(framed(Type::arms, encode(targets)), kSending);
+    socket_.send(framed(Type::arms, arms_sent_.back()), kSending);
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
   }
@@ -162,16 +163,13 @@ bool RemoteRobot::take(const Message& message) {
       if (!welcome_.navigates || !truth_) truth_ = after_;
       return false;
     case Type::rejected:
-      if (in_a_row_++ == 0) rejecting_since_ = std::chrono::steady_clock::now();
-      ++rejected_;
-      rejection_ = decode_text(message.body);
-      rejected_now_ = true;
+      take_rejected(message);
       return false;
     case Type::damp:
       damped_because_ = decode_text(message.body);
       return false;
     case Type::arms:
-      arms_.push_back(decode_arms(message.body));
+      take_arms(message);
       return false;
     case Type::bye:
       throw LinkError("the robot has ended the connection");
@@ -192,6 +190,25 @@ bool RemoteRobot::take(const Message& message) {
   }
   if (!std::exchange(rejected_now_, false)) in_a_row_ = 0;
   return true;
+}
+
+void RemoteRobot::take_rejected(const Message& message) {
+  ++rejected_;
+  rejection_ = decode_text(message.body);
+  if (welcome_.navigates) {  // these were for the arms; it follows its own targets all the same
+    if (!arms_sent_.empty()) arms_sent_.pop_front();
+    return;
+  }
+  if (in_a_row_++ == 0) rejecting_since_ = std::chrono::steady_clock::now();
+  rejected_now_ = true;
+}
+
+void RemoteRobot::take_arms(const Message& message) {
+  ArmTargets targets = decode_arms(message.body);
+  if (arms_sent_.empty() || encode(targets) != arms_sent_.front())
+    throw LinkError("targets for the arms that were not sent from here");
+  arms_sent_.pop_front();
+  arms_.push_back(std::move(targets));
 }
 
 void RemoteRobot::check_sequence(const Reading& reading) {

@@ -7,6 +7,7 @@
 /// `EchoedPlanning`, and `write` compares what it comes to: so all that can be known of a run is known here, too.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <string>
 #include <utility>
@@ -98,6 +99,8 @@ class RemoteRobot : public Robot {
   void greet(const std::string& token, const std::string& world);
   /// @returns whether it is a measurement
   [[nodiscard]] bool take(const Message& message);
+  void take_rejected(const Message& message);
+  void take_arms(const Message& message);
   /// Takes messages up to the next measurement or tick.
   void await_reading(Socket::Time limit);
   void check_sequence(const Reading& reading);
@@ -110,7 +113,8 @@ class RemoteRobot : public Robot {
   Reading reading_;
   std::uint64_t expected_ = 0;  ///< sequence of the next measurement or tick
   Tick tick_;
-  std::vector<ArmTargets> arms_;  ///< accepted by the robot, not taken yet
+  std::deque<std::string> arms_sent_;  ///< that the robot has not answered yet
+  std::vector<ArmTargets> arms_;       ///< accepted by the robot, not taken yet
   long stale_ = 0;
   std::optional<Truth> after_;  ///< truth after the newest tick
   bool begun_ = false;          ///< the first measurement has come

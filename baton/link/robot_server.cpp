@@ -170,16 +170,8 @@ bool RobotServer::hear(Peer& peer, const Message& message) {
       return begin(peer, message);
     case Type::target:
     case Type::command:
-      if (!peer.started) return refuse(peer, "protocol", "a target or command before the start");
-      if ((message.type == Type::command) != (onboard_ != nullptr))
-        return refuse(peer, "protocol", onboard_ ? "a target: must be a command" : "a command: must be a target");
-      if (onboard_) return guide(peer, message);
-      follow(peer, message);
-      return true;
     case Type::arms:
-      if (!peer.started || !onboard_) return refuse(peer, "protocol", "targets for the arms: must be a joint target");
-      drive_arms(peer, message);
-      return true;
+      return take(peer, message);
     case Type::damp:
       // Only with a text: a bit that was turned over makes a command's type that of a damp message.
       damp("asked for by the driver: " + decode_text(message.body));
@@ -292,6 +284,21 @@ std::optional<std::string> RobotServer::wrong_servos(const Start& start) const {
   return std::nullopt;
 }
 
+bool RobotServer::take(Peer& peer, const Message& message) {
+  if (!peer.started) return refuse(peer, "protocol", "a target or command before the start");
+  if (message.type == Type::target) {
+    if (onboard_) return refuse(peer, "protocol", "a target: must be a command");
+    follow(peer, message);
+    return true;
+  }
+  const bool arms = message.type == Type::arms;
+  if (!onboard_)
+    return refuse(peer, "protocol", fmt::format("{}: must be a target", arms ? "targets for the arms" : "a command"));
+  if (!arms) return guide(peer, message);
+  drive_arms(peer, message);
+  return true;
+}
+
 bool RobotServer::guide(Peer& peer, const Message& message) {
   const StickPosition stick = decode_stick(message.body);
   const std::uint64_t ticks = onboard_->ticks();
@@ -310,6 +317,7 @@ bool RobotServer::guide(Peer& peer, const Message& message) {
 void RobotServer::drive_arms(Peer& peer, const Message& message) {
   const ArmTargets targets = decode_arms(message.body);
   try {
+    if (state_ == State::damped) throw InputError("the robot is damped, so nothing drives the arms");
     onboard_->drive_arms(targets);
   } catch (const InputError& error) {
     tell(peer, framed(Type::rejected, encode_text(error.what())));

@@ -99,6 +99,9 @@ class RobotServer {
   [[nodiscard]] bool begin(Peer& peer, const Message& message);
   /// @returns why not, with these servos
   [[nodiscard]] std::optional<std::string> wrong_servos(const Start& start) const;
+  /// What the robot is to follow.
+  /// @returns whether the peer stays connected
+  [[nodiscard]] bool take(Peer& peer, const Message& message);
   void follow(Peer& peer, const Message& message);
   /// @returns whether the peer stays connected
   [[nodiscard]] bool guide(Peer& peer, const Message& message);

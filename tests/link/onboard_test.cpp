@@ -34,7 +34,12 @@ class Echo {
     simulation.session = {navigation.modes, navigation.source, planning_.get()};
     simulation_.emplace(model, served.world(), std::move(connected), simulation);
   }
-  void step(const Command& command) { simulation_->session().step(robot->guide(command)); }
+  void step(const Command& command) {
+    const Command followed = robot->guide(command);
+    for (const ArmTargets& targets : robot->accepted_arms())
+      simulation_->session().drive_arms(targets);
+    simulation_->session().step(followed);
+  }
   [[nodiscard]] const Session& session() const { return simulation_->session(); }
   [[nodiscard]] const Truth& truth() const { return simulation_->truth(); }
 
@@ -206,6 +211,33 @@ TEST_P(OnboardTest, WhatIsOutOfPlaceEndsTheConnectionAndNotTheMotion) {
   EXPECT_THAT(refused(raw.answer()), HasSubstr("a command after tick 0: must be 1"));
 }
 
+TEST_P(OnboardTest, TargetsForTheArmsAreSentBackBeforeTheTickInWhichTheyCountOrRejected) {
+  ArmTargets unknown = arms();
+  unknown.joints.front() = "tail";
+  for (const bool lock_step : {true, false}) {
+    Served served(robot_, {}, "", lock_step ? Served::Pace::lock_step : Served::Pace::by_test, true);
+    Raw raw(served.address());
+    start(raw);
+    raw.send(Type::arms, encode(arms()));
+    raw.send(Type::arms, encode(unknown));
+    const Message accepted = raw.answer();
+    EXPECT_EQ(accepted.type, Type::arms);
+    EXPECT_EQ(accepted.body, encode(arms()));
+    const Message rejected = raw.answer();
+    EXPECT_EQ(rejected.type, Type::rejected);
+    EXPECT_THAT(decode_text(rejected.body), HasSubstr("joint \"tail\" is none of an arm"));
+    raw.send(Type::command, encode(StickPosition{}));
+    if (!lock_step) served.pass(1);
+    EXPECT_EQ(tick(raw.answer()).reading.sequence, 0U);
+    damp(served.address(), "");
+    EXPECT_EQ(raw.answer().type, Type::damp);
+    raw.send(Type::arms, encode(arms()));
+    const Message damped = raw.answer();
+    EXPECT_EQ(damped.type, Type::rejected);
+    EXPECT_THAT(decode_text(damped.body), HasSubstr("the robot is damped"));
+  }
+}
+
 TEST_P(OnboardTest, ManyTargetsForTheArmsDoNotEndAConnectionThatTakesLittleAtATime) {
   ArmTargets many = arms();
   const auto columns = static_cast<Eigen::Index>(many.joints.size());
@@ -225,6 +257,19 @@ TEST_P(OnboardTest, ManyTargetsForTheArmsDoNotEndAConnectionThatTakesLittleAtATi
   EXPECT_EQ(accepted.type, Type::arms);
   EXPECT_EQ(accepted.body, encode(many));
   EXPECT_EQ(tick(raw.answer()).reading.sequence, 0U);
+}
+
+TEST_P(OnboardTest, ArmsThatAreRejectedForLongDoNotEndARun) {
+  Served served(robot_, {}, "", Served::Pace::lock_step, true);
+  Echo echo(robot_, served);
+  ArmTargets unknown = arms();
+  unknown.joints.front() = "tail";
+  for (int k = 0; k < 100; ++k) {
+    echo.robot->drive_arms(unknown);
+    echo.step(Command{});
+    ASSERT_EQ(echo.robot->rejected(), k + 1);
+    ASSERT_EQ(echo.robot->follows_no_longer(), "");
+  }
 }
 
 TEST_P(OnboardTest, ABareRobotTakesNoCommands) {
