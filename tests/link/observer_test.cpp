@@ -121,7 +121,7 @@ TEST_P(ObserverTest, OneThatSpeaksStallsOrVanishesChangesNothing) {
           break;
         case 1:
           bytes =
-              framed(static_cast<Type>(1 + random() % 12), std::string(random() % 700, static_cast<char>(random())));
+              framed(static_cast<Type>(1 + random() % 13), std::string(random() % 700, static_cast<char>(random())));
           break;
         case 2:
           bytes = framed(Type::target, std::string(8 + 24 * static_cast<std::size_t>(n_), '\0'));
@@ -146,6 +146,7 @@ TEST_P(ObserverTest, NothingThatItSendsMovesTheRobot) {
            {Type::start, encode(start_of(robot_))},
            {Type::target, encode(Target{0, zero, zero, zero})},
            {Type::command, encode(StickPosition{})},
+           {Type::arms, encode(released_arms(robot_))},
            {Type::damp, encode_text("at once")},
            {Type::hello, hello()},
        }) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -112,8 +113,11 @@ class RobotsStates : public testing::TestWithParam<bool> {
     Served served;
     std::unique_ptr<Peer> driver;
     std::unique_ptr<Peer> other;
+    std::unique_ptr<Peer> observer;
+    std::unique_ptr<Peer> second_observer;
   };
   using Event = std::function<void(Case&)>;
+  using Events = std::vector<std::pair<std::string, Event>>;  // several may belong to one row of the table
 
   [[nodiscard]] std::unique_ptr<Case> in(const std::string& state) const {
     auto made = std::make_unique<Case>(model_, navigates_);
@@ -160,10 +164,13 @@ class RobotsStates : public testing::TestWithParam<bool> {
     now.other = std::make_unique<Peer>(now.served.address());
     now.other->send(type, body);
   }
-  [[nodiscard]] std::map<std::string, Event> events() const {
-    const Eigen::Index n = model_.nv() - 6;
-    const std::string target = encode(Target{0, VecX::Zero(n), VecX::Zero(n), VecX::Zero(n)});
+  [[nodiscard]] std::string target() const {
+    const VecX zero = VecX::Zero(model_.nv() - 6);
+    return encode(Target{0, zero, zero, zero});
+  }
+  [[nodiscard]] Events events() const {
     const std::string stick = encode(StickPosition{});
+    const std::string arms = encode(released_arms(model_));
     Start other_servos = start_of(model_);
     other_servos.kp[0] *= 2.0;
     const auto driver_says = [](Type type, const std::string& body) {
@@ -175,8 +182,7 @@ class RobotsStates : public testing::TestWithParam<bool> {
     const auto key = [](const std::function<void(RobotServer&)>& act) {
       return [act](Case& now) { now.served.at_the_robot(act); };
     };
-    const Type follows = navigates_ ? Type::command : Type::target;
-    return {
+    Events all{
         {"hello of another driver", other_says(Type::hello, hello())},
         {"hello of an observer", other_says(Type::hello, encode(Hello{kVersion, "", Role::observe}))},
         {"hello with another version", other_says(Type::hello, hello(kVersion + 1))},
@@ -184,9 +190,6 @@ class RobotsStates : public testing::TestWithParam<bool> {
         {"no hello from another", other_says(Type::bye, "")},
         {"start", driver_says(Type::start, encode(start_of(model_)))},
         {"start with other servos", driver_says(Type::start, encode(other_servos))},
-        {"what it follows, in its turn", driver_says(follows, navigates_ ? stick : target)},
-        {"what it does not follow",
-         driver_says(navigates_ ? Type::target : Type::command, navigates_ ? target : stick)},
         {"damp message", driver_says(Type::damp, encode_text("at once"))},
         {"bye", driver_says(Type::bye, "")},
         {"connection closed", [](Case& now) { now.driver.reset(); }},
@@ -195,6 +198,61 @@ class RobotsStates : public testing::TestWithParam<bool> {
         {"damped by key", key([](RobotServer& server) { server.damp("by the robot's own key"); })},
         {"armed by key", key([](RobotServer& server) { server.arm(); })},
     };
+    const std::string in_turn = "what it follows, in its turn";
+    const std::string other = "what it does not follow";
+    all.emplace_back(navigates_ ? in_turn : other, driver_says(Type::command, stick));
+    all.emplace_back(navigates_ ? other : in_turn, driver_says(Type::target, target()));
+    const std::string driven_arms = navigates_ ? "arms, if it follows commands" : other;
+    all.emplace_back(driven_arms, driver_says(Type::arms, arms));
+    if (navigates_) all.emplace_back(driven_arms, driver_says(Type::arms, encode(ArmTargets{{"tail"}, {}, {}})));
+    return all;
+  }
+
+  static std::unique_ptr<Peer> observer(Case& now) {
+    auto peer = std::make_unique<Peer>(now.served.address());
+    peer->send(Type::hello, encode(Hello{kVersion, "", Role::observe}));
+    return peer;
+  }
+  /// Whether there is an observer, and whether a refusal was sent to one and why: as in the table.
+  [[nodiscard]] static std::string looked_at(Case& now) {
+    now.settle();
+    now.settle();
+    std::string reason;
+    bool there = false;
+    for (const auto* peer : {&now.observer, &now.second_observer}) {
+      if (*peer == nullptr) continue;
+      reason += (*peer)->refusal();
+      there = there || !(*peer)->gone;
+    }
+    const std::unique_ptr<Peer> next = observer(now);
+    now.settle();
+    now.settle();
+    EXPECT_EQ(next->refusal(), there ? "busy" : "");
+    const std::string name = there ? "one observer" : "no observer";
+    return reason.empty() ? name : name + " (" + reason + ")";
+  }
+  [[nodiscard]] Events observers_events() const {
+    Events all{{"hello of an observer", [](Case& now) { now.second_observer = observer(now); }},
+               {"bye of the observer", [](Case& now) { now.observer->send(Type::bye); }},
+               {"connection of the observer closed", [](Case& now) { now.observer.reset(); }},
+               {"5 s pass", [](Case& now) { now.settle(1100); }},
+               {"damped and armed by key", [](Case& now) {
+                  now.served.at_the_robot([](RobotServer& server) { server.damp("by the robot's own key"); });
+                  now.served.at_the_robot([](RobotServer& server) { server.arm(); });
+                }}};
+    for (const auto& [type, body] : std::vector<std::pair<Type, std::string>>{
+             {Type::hello, hello()},
+             {Type::start, encode(start_of(model_))},
+             {Type::target, target()},
+             {Type::command, encode(StickPosition{})},
+             {Type::arms, encode(released_arms(model_))},
+             {Type::damp, encode_text("at once")},
+             {Type::tick, ""},
+         }) {
+      all.emplace_back("another message of the observer",
+                       [type = type, body = body](Case& now) { now.observer->send(type, body); });
+    }
+    return all;
   }
 
   const RobotModel& model_ = test::robot("mighty");
@@ -206,22 +264,47 @@ INSTANTIATE_TEST_SUITE_P(Ends, RobotsStates, testing::Bool(),
 
 TEST_P(RobotsStates, AreThoseOfTheTable) {
   const Table table = table_with("waiting");
-  const std::map<std::string, Event> all = events();
-  ASSERT_EQ(table.size(), all.size());
-  for (const auto& [event, row] : table) {
-    ASSERT_TRUE(all.contains(event)) << event;
-    ASSERT_EQ(row.size(), 6U);
-    for (const auto& [state, expected] : row) {
+  std::set<std::string> tried;
+  if (!navigates_) tried.insert("arms, if it follows commands");
+  for (const auto& [event, act] : events()) {
+    ASSERT_TRUE(table.contains(event)) << event;
+    tried.insert(event);
+    ASSERT_EQ(table.at(event).size(), 6U);
+    for (const auto& [state, expected] : table.at(event)) {
       const bool no_driver = state == "waiting" || state == "damped";
       if (expected == "—") {
         EXPECT_TRUE(no_driver) << state;
         continue;
       }
       const std::unique_ptr<Case> now = in(state);
-      all.at(event)(*now);
+      act(*now);
       EXPECT_EQ(found(*now), expected) << state << ": " << event;
     }
   }
+  EXPECT_EQ(tried.size(), table.size());
+}
+
+TEST_P(RobotsStates, OfObserversAreThoseOfTheTableAndTheRobotKeepsItsOwn) {
+  const Table table = table_with("one observer");
+  std::set<std::string> tried;
+  for (const auto& [event, act] : observers_events()) {
+    ASSERT_TRUE(table.contains(event)) << event;
+    tried.insert(event);
+    for (const auto& [observed, expected] : table.at(event)) {
+      if (expected == "—") continue;
+      for (const char* state : {"waiting", "welcomed", "driven", "damped", "damped, welcomed", "damped, driven"}) {
+        const std::unique_ptr<Case> now = in(state);
+        if (observed == "one observer") now->observer = observer(*now);
+        now->settle();
+        act(*now);
+        EXPECT_EQ(looked_at(*now), expected) << observed << ", " << state << ": " << event;
+        const bool changes = event == "5 s pass" || event == "damped and armed by key";
+        if (changes) continue;
+        EXPECT_EQ(found(*now), state) << observed << ": " << event;
+      }
+    }
+  }
+  EXPECT_EQ(tried.size(), table.size());
 }
 
 /// What a robot says in the states of the driver's end.
@@ -265,8 +348,10 @@ class DriversStates : public testing::Test {
   }
   /// The driver's end hears all of it, and then nothing, or that the connection is closed.
   /// @param ticks that it drives
+  /// @param arms that it sends before
   /// @returns whether it came so far
-  [[nodiscard]] bool drives(const std::string& said, bool navigates, int ticks, bool hangs_up, Socket::Time patience) {
+  [[nodiscard]] bool drives(const std::string& said, bool navigates, int ticks, bool hangs_up, Socket::Time patience,
+                            const std::optional<ArmTargets>& arms) {
     Socket listener = Socket::listen({"127.0.0.1", 0});
     std::string why;
     std::thread driver([&] {
@@ -277,6 +362,7 @@ class DriversStates : public testing::Test {
         JointTarget target;
         target.q = remote.read().q;
         target.dq = target.tau = target.ddq = VecX::Zero(n_);
+        if (arms) remote.drive_arms(*arms);
         for (int tick = 0; tick < ticks; ++tick) {
           if (navigates) {
             static_cast<void>(remote.guide(Command{}));
@@ -298,13 +384,15 @@ class DriversStates : public testing::Test {
 
 TEST_F(DriversStates, AreThoseOfTheTable) {
   const Table table = table_with("greeting");
-  ASSERT_EQ(table.size(), 15U);
+  ASSERT_EQ(table.size(), 17U);
+  const ArmTargets arms = released_arms(model_);
   for (const auto& row : table) {
     const std::string& event = row.first;
     ASSERT_EQ(row.second.size(), 4U);
     for (const auto& cell : row.second) {
       const std::string& state = cell.first;
       const std::string& expected = cell.second;
+      if (expected == "—") continue;
       const bool navigates = state == "driving by commands";
       const bool drives_now = state.starts_with("driving");
       // How it came there; the number of the next measurement or tick; what comes if all is as it should be.
@@ -322,6 +410,8 @@ TEST_F(DriversStates, AreThoseOfTheTable) {
           {"tick, the next", tick(next)},
           {"tick, another", tick(next + 1)},
           {"rejected", framed(Type::rejected, encode_text("a jump"))},
+          {"arms that it has sent", framed(Type::arms, encode(arms))},
+          {"other arms", framed(Type::arms, encode(ArmTargets{{"tail"}, {}, {}}))},
           {"damp", framed(Type::damp, encode_text("by key"))},
           {"bye", framed(Type::bye)},
           {"another or malformed message", framed(Type::measurement, "short")},
@@ -335,7 +425,8 @@ TEST_F(DriversStates, AreThoseOfTheTable) {
       const bool takes = event.ends_with("the next");
       const auto expect = [&](const std::string& after, int ticks) {
         EXPECT_EQ(drives(before + message + (ends ? "" : after), navigates, ticks, event == "connection closed",
-                         event == "nothing for too long" ? Socket::Time(30) : kLinkPatience),
+                         event == "nothing for too long" ? Socket::Time(30) : kLinkPatience,
+                         navigates ? std::optional(arms) : std::nullopt),
                   expected != "gone")
             << state << ": " << event;
       };
