@@ -78,7 +78,6 @@ bool RemoteEnd::step(Session& session, const Command& command) {
       const Command followed = remote_->guide(command);
       for (const ArmTargets& targets : remote_->accepted_arms())
         session.drive_arms(targets);
-      if (remote_->tick().stale && !stale_) session.drive_arms(released_arms(*model_));  // as the robot does
       session.step(followed);
     } else {
       session.step(command);

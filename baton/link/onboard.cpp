@@ -19,10 +19,8 @@ Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Para
 }
 
 const Tick& Onboard::step(double battery) {
-  const std::uint64_t newest = ticks_;
-  const double age = stick_ ? static_cast<double>(newest - stick_->seen) * model_->profile().tick.period : 0.0;
   const bool was_stale = tick_.stale;
-  tick_.stale = stick_ && !parameters_.lock_step && age > kFresh;
+  tick_.stale = stick_ && !parameters_.lock_step && age(*stick_) > kFresh;
   tick_.command = stick_ && !tick_.stale ? stick_->command : Command{};
   if (tick_.stale && !was_stale) session_.drive_arms(released_arms(*model_));
   tick_.planning.clear();
@@ -35,6 +33,16 @@ const Tick& Onboard::step(double battery) {
 void Onboard::drive_arms(const ArmTargets& targets) {
   if (tick_.stale) throw InputError("the stick's positions are too old, so nothing drives the arms");
   session_.drive_arms(targets);
+}
+
+void Onboard::lose(double time) {
+  lost_ = stick_ && stick_->seen > lost_at_ ? time : lost_ + time;
+  lost_at_ = ticks_;
+}
+
+double Onboard::age(const StickPosition& stick) const {
+  return static_cast<double>(ticks_ - stick.seen) * model_->profile().tick.period +
+         (stick.seen <= lost_at_ ? lost_ : 0.0);
 }
 
 void Onboard::driver_gone() {

@@ -32,6 +32,8 @@ class Onboard : private Sink {
   /// Drives the arms, from the next tick on. A stick that is too old lets go of them.
   /// @throws InputError the targets are none of this robot, or the stick is too old
   void drive_arms(const ArmTargets& targets);
+  /// So much time has passed without ticks: what the driver knew of before is older by that [s].
+  void lose(double time);
   /// There is no driver any more.
   void driver_gone();
 
@@ -51,6 +53,8 @@ class Onboard : private Sink {
   [[nodiscard]] const Session& session() const { return session_; }
 
  private:
+  /// How long ago the newest tick was that its driver knew of [s].
+  [[nodiscard]] double age(const StickPosition& stick) const;
   void on_tick(const TickRecord& record) override;
   void on_planning(PlanningEvent event) override { tick_.planning.push_back(event); }
 
@@ -58,6 +62,8 @@ class Onboard : private Sink {
   Parameters parameters_;
   Session session_;
   std::optional<StickPosition> stick_;
+  double lost_ = 0.0;          ///< time that was left out since the tick that the stick's driver knew of [s]
+  std::uint64_t lost_at_ = 0;  ///< ticks before the last of it
   Tick tick_;
   std::uint64_t ticks_ = 0;
 };

@@ -179,11 +179,7 @@ bool RemoteRobot::take(const Message& message) {
       if (!begun_ || !welcome_.navigates) check_sequence(reading_);
       break;
     case Type::tick:
-      if (!begun_ || !welcome_.navigates) complain_of(message.type, "a measurement");
-      tick_ = decode_tick(message.body, joints);
-      reading_ = tick_.reading;
-      if (tick_.stale) ++stale_;
-      check_sequence(reading_);
+      take_tick(message);
       break;
     default:
       complain_of(message.type, "a measurement");
@@ -209,6 +205,16 @@ void RemoteRobot::take_arms(const Message& message) {
     throw LinkError("targets for the arms that were not sent from here");
   arms_sent_.pop_front();
   arms_.push_back(std::move(targets));
+}
+
+void RemoteRobot::take_tick(const Message& message) {
+  if (!begun_ || !welcome_.navigates) complain_of(message.type, "a measurement");
+  const bool was_stale = tick_.stale;
+  tick_ = decode_tick(message.body, model_->nv() - 6);
+  reading_ = tick_.reading;
+  if (tick_.stale) ++stale_;
+  if (tick_.stale && !was_stale) arms_.push_back(released_arms(*model_));
+  check_sequence(reading_);
 }
 
 void RemoteRobot::check_sequence(const Reading& reading) {

@@ -59,7 +59,7 @@ class RemoteRobot : public Robot {
   /// Sends targets for the arms to a robot that navigates by itself.
   /// @throws LinkError it is gone
   void drive_arms(const ArmTargets& targets);
-  /// Those that count from the newest tick on, in order, once.
+  /// What the robot drives the arms by from the newest tick on, in order, once: also that it has let go of them.
   [[nodiscard]] std::vector<ArmTargets> accepted_arms() { return std::exchange(arms_, {}); }
   /// Null if the robot does not send it.
   [[nodiscard]] const Truth* truth() const override { return truth_ ? &*truth_ : nullptr; }
@@ -101,6 +101,7 @@ class RemoteRobot : public Robot {
   [[nodiscard]] bool take(const Message& message);
   void take_rejected(const Message& message);
   void take_arms(const Message& message);
+  void take_tick(const Message& message);
   /// Takes messages up to the next measurement or tick.
   void await_reading(Socket::Time limit);
   void check_sequence(const Reading& reading);

@@ -435,10 +435,11 @@ void RobotServer::advance_if_due() {
     due_ += period();
     advance();
   }
-  if (parameters_.now() < due_) return;
-  due_ = parameters_.now() + period();
+  const Clock::time_point now = parameters_.now();
+  if (now < due_) return;
+  const Clock::time_point due = std::exchange(due_, now + period());
   parameters_.log("too slow for real time: time was left out");
-  if (onboard_) onboard_->driver_gone();  // what the stick asked for is older than its ticks tell
+  if (onboard_) onboard_->lose(std::chrono::duration<double>(due_ - due).count());
 }
 
 void RobotServer::advance_remote() {

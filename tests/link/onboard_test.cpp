@@ -272,6 +272,36 @@ TEST_P(OnboardTest, ArmsThatAreRejectedForLongDoNotEndARun) {
   }
 }
 
+TEST_P(OnboardTest, BothEndsDriveTheArmsAlikeWhateverTimeIsLeftOut) {
+  for (const double left_out : {0.2, 0.7}) {
+    const auto served = in_real_time(6);
+    Echo echo(robot_, *served);
+    const auto pass = [&](int count) {
+      served->pass(count);
+      std::uint64_t there = 0;
+      served->at_the_robot([&](RobotServer& server) { there = server.onboard()->ticks(); });
+      for (auto here = static_cast<std::uint64_t>(std::lround(echo.session().t() / period_)); here < there; ++here)
+        echo.step(Command{});  // throws if it comes to anything else than the robot
+    };
+    const auto pass_evenly = [&](double time) {
+      for (int k = 0; k < ticks(time); k += 5)
+        pass(5);
+    };
+    echo.robot->drive_arms(arms());
+    pass_evenly(1.0);
+    EXPECT_FALSE(echo.session().resting());
+    pass(ticks(left_out));
+    EXPECT_THAT(served->log(), HasSubstr("time was left out"));
+    pass_evenly(1.0);
+    EXPECT_EQ(echo.robot->stale() > 0, left_out > Onboard::kFresh);
+    EXPECT_EQ(echo.session().resting(), left_out > Onboard::kFresh);
+    echo.robot->drive_arms(arms());
+    pass_evenly(0.5);
+    EXPECT_FALSE(echo.session().resting());
+    EXPECT_EQ(echo.robot->rejected(), 0);
+  }
+}
+
 TEST_P(OnboardTest, ABareRobotTakesNoCommands) {
   Served served(robot_);
   Raw raw(served.address());
