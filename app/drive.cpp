@@ -157,12 +157,12 @@ int drive(const DriveOptions& o) {
   bool stopping = false;
   bool stuck = false;
   /// @returns whether the robot still follows
-  const auto step = [&](const Command& command) {
-    if (remote) return remote->step(session, command);
-    session.step(command);
+  const auto step = [&](const std::function<Command()>& stick) {
+    if (remote) return remote->step(session, stick);
+    session.step(stick());
     return true;
   };
-  const auto decided = [&] {
+  const auto stick = [&] {
     if (stopping) return Command{};
     return engaging() ? kHome : inputs.decide(session.view());
   };
@@ -187,7 +187,7 @@ int drive(const DriveOptions& o) {
       if (targets == nullptr) break;
       drive_arms(*targets);
     }
-    if (!step(decided())) break;
+    if (!step(stick)) break;
     if (view && view->damp_asked() && remote) remote->damp("by the page");
     refusals.look(session.navigator());
     log_arms(session.navigator(), session.t());
@@ -195,7 +195,7 @@ int drive(const DriveOptions& o) {
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {
-      if (!step(Command{})) spdlog::warn("{}", remote->broken());  // the fall is seen in the last row
+      if (!step([] { return Command{}; })) spdlog::warn("{}", remote->broken());  // the fall is seen in the last row
       break;
     }
     if (paced) {

@@ -72,15 +72,15 @@ void RemoteEnd::begin(const std::optional<Calibration>& calibration, const std::
   spdlog::info("in its stance: lower it until it stands, then slacken the ropes");
 }
 
-bool RemoteEnd::step(Session& session, const Command& command) {
+bool RemoteEnd::step(Session& session, const std::function<Command()>& stick) {
   try {
     if (welcome().navigates) {
-      const Command followed = remote_->guide(command);
+      const Command followed = remote_->guide(stick);
       for (const ArmTargets& targets : remote_->accepted_arms())
         session.drive_arms(targets);
       session.step(followed);
     } else {
-      session.step(command);
+      session.step(stick());
     }
     if (engaging_) look_engaged(session);
     if (hangs_) look_lifted(session);

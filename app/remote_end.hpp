@@ -42,8 +42,9 @@ class RemoteEnd {
   /// @throws InputError, LinkError as `link::take_stance`
   void begin(const std::optional<Calibration>& calibration, const std::function<bool()>& go_on);
   /// One tick of the session.
+  /// @param stick where it is now; looked at again, if the robot goes on by its own clock and navigates by itself
   /// @returns whether the robot still follows
-  [[nodiscard]] bool step(Session& session, const Command& command);
+  [[nodiscard]] bool step(Session& session, const std::function<Command()>& stick);
   /// Drives the arms of the robot, and of the session.
   void drive_arms(Session& session, const ArmTargets& targets);
   /// Lets the robot's motors only brake; the next step finds that it follows no longer.

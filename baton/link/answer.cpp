@@ -9,9 +9,12 @@ Message receive_from(Socket& socket, Stream& stream, Socket::Time limit) {
   while (true) {
     if (std::optional<Message> message = stream.next()) return *std::move(message);
     const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
-    if (left.count() <= 0 || !socket.receive(stream.bytes(), left))
-      throw LinkError(fmt::format("nothing from the robot for {} ms", limit.count()));
+    if (left.count() <= 0 || !socket.receive(stream.bytes(), left)) silent_for(limit);
   }
+}
+
+void silent_for(Socket::Time limit) {
+  throw LinkError(fmt::format("nothing from the robot for {} ms", limit.count()));
 }
 
 void complain(const Message& refusal) {

@@ -9,6 +9,9 @@ namespace baton::link {
 /// @throws LinkError none in time; the robot is gone
 [[nodiscard]] Message receive_from(Socket& socket, Stream& stream, Socket::Time limit);
 
+/// @throws LinkError that nothing has come in that time
+[[noreturn]] void silent_for(Socket::Time limit);
+
 /// @throws LinkError that the robot has refused, and why
 [[noreturn]] void complain(const Message& refusal);
 

@@ -14,6 +14,7 @@ namespace {
 
 constexpr Socket::Time kSending{2000};
 constexpr Socket::Time kFarewell{200};
+constexpr Socket::Time kNextLook{1};   ///< from one look at a stick to the next
 constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which it follows no longer [s]
 
 bool same_bits(const VecX& a, const VecX& b) {
@@ -91,9 +92,18 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
 }
 
 Command RemoteRobot::guide(const Command& command) {
+  return guide([&command] { return command; });
+}
+
+Command RemoteRobot::guide(const std::function<Command()>& stick) {
   try {
-    socket_.send(framed(Type::command, encode(StickPosition{expected_, command})), kSending);
-    await_reading(parameters_.answering);
+    const auto until = std::chrono::steady_clock::now() + parameters_.answering;
+    Command told = stick();
+    tell(told);
+    while (!take_reading(welcome_.lock_step ? parameters_.answering : kNextLook)) {
+      if (std::chrono::steady_clock::now() >= until) silent_for(parameters_.answering);
+      if (const Command newest = stick(); !(newest == told)) tell(told = newest);
+    }
     if (damped()) throw LinkError(fmt::format("the robot was damped: {}", damped_because_));
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
@@ -130,12 +140,22 @@ void RemoteRobot::write(const JointTarget& target) {
 }
 
 void RemoteRobot::await_reading(Socket::Time limit) {
+  if (!take_reading(limit)) silent_for(limit);
+}
+
+bool RemoteRobot::take_reading(Socket::Time limit) {
   const auto until = std::chrono::steady_clock::now() + limit;
   while (true) {
+    while (const std::optional<Message> message = stream_.next()) {
+      if (take(*message)) return true;
+    }
     const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
-    if (left.count() <= 0) throw LinkError(fmt::format("no measurement for {} ms", limit.count()));
-    if (take(receive(left))) return;
+    if (left.count() <= 0 || !socket_.receive(stream_.bytes(), left)) return false;
   }
+}
+
+void RemoteRobot::tell(const Command& command) {
+  socket_.send(framed(Type::command, encode(StickPosition{expected_, command})), kSending);
 }
 
 void RemoteRobot::catch_up() {

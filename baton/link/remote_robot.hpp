@@ -56,7 +56,10 @@ class RemoteRobot : public Robot {
   /// @returns the command that it followed: in real time an earlier one, or none if that was too old
   /// @throws LinkError the robot is gone, silent, damped, or breaks the protocol
   [[nodiscard]] Command guide(const Command& command);
-  /// Sends targets for the arms to a robot that navigates by itself.
+  /// The same for a stick. In real time it is looked at until that tick has come, and each change is sent at once.
+  /// @param stick where it is now
+  [[nodiscard]] Command guide(const std::function<Command()>& stick);
+  /// Sends targets for the arms to a robot that navigates by itself, which accepts or rejects them.
   /// @throws LinkError it is gone
   void drive_arms(const ArmTargets& targets);
   /// What the robot drives the arms by from the newest tick on, in order, once: also that it has let go of them.
@@ -103,7 +106,11 @@ class RemoteRobot : public Robot {
   void take_arms(const Message& message);
   void take_tick(const Message& message);
   /// Takes messages up to the next measurement or tick.
+  /// @returns whether it has come in that time
+  [[nodiscard]] bool take_reading(Socket::Time limit);
+  /// @throws LinkError it has not come in that time
   void await_reading(Socket::Time limit);
+  void tell(const Command& command);
   void check_sequence(const Reading& reading);
 
   const RobotModel* model_;

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <thread>
+
 #include "baton/link/echoed_planning.hpp"
 #include "baton/model/error.hpp"
 #include "baton/proving/scenario.hpp"
@@ -299,6 +302,24 @@ TEST_P(OnboardTest, BothEndsDriveTheArmsAlikeWhateverTimeIsLeftOut) {
     pass_evenly(0.5);
     EXPECT_FALSE(echo.session().resting());
     EXPECT_EQ(echo.robot->rejected(), 0);
+  }
+}
+
+TEST_P(OnboardTest, InRealTimeAChangeOfTheStickIsSentBeforeTheTickHasCome) {
+  Command ahead;
+  ahead.axes[0] = 1.0;
+  for (const bool lock_step : {true, false}) {
+    Served served(robot_, {}, "", lock_step ? Served::Pace::lock_step : Served::Pace::by_test, true);
+    RemoteRobot remote(robot_, "flat", RemoteRobot::Parameters{served.address(), ""});
+    std::atomic<int> looks{0};
+    Command followed;
+    std::thread driver([&] { followed = remote.guide([&] { return looks++ == 0 ? Command{} : ahead; }); });
+    while (!lock_step && looks < 3)
+      std::this_thread::yield();
+    if (!lock_step) served.pass(1);
+    driver.join();
+    EXPECT_EQ(followed == ahead, !lock_step);
+    EXPECT_EQ(looks == 1, lock_step);
   }
 }
 
