@@ -226,15 +226,16 @@ std::string encode(const Welcome& welcome) {
 
 std::string encode(const Start& start) {
   const auto list = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
-  const Modes& modes = start.navigation.modes;
-  return dumped({{"drive", start.drive},
-                 {"kp", list(start.kp)},
-                 {"kd", list(start.kd)},
-                 {"duration", modes.duration == DurationRule::search ? "search" : "paper"},
-                 {"gait", modes.gait == Gait::stop ? "stop" : "flow"},
-                 {"on_limit", modes.on_limit == OnLimit::discard ? "discard" : "shrink"},
-                 {"state", to_string(start.navigation.source)},
-                 {"hangs", start.navigation.hangs}});
+  Json json = {{"drive", start.drive}, {"kp", list(start.kp)}, {"kd", list(start.kd)}};
+  if (start.navigation) {
+    const Modes& modes = start.navigation->modes;
+    json["duration"] = modes.duration == DurationRule::search ? "search" : "paper";
+    json["gait"] = modes.gait == Gait::stop ? "stop" : "flow";
+    json["on_limit"] = modes.on_limit == OnLimit::discard ? "discard" : "shrink";
+    json["state"] = to_string(start.navigation->source);
+    json["hangs"] = start.navigation->hangs;
+  }
+  return dumped(json);
 }
 
 std::string encode(const Refusal& refusal) {

@@ -95,9 +95,9 @@ struct NavigationOptions {
 /// The driver takes over, with the servos as it expects them.
 struct Start {
   std::string drive;
-  VecX kp;  ///< [N·m/rad]
-  VecX kd;  ///< [N·m·s/rad]
-  NavigationOptions navigation{};
+  VecX kp;                                        ///< [N·m/rad]
+  VecX kd;                                        ///< [N·m·s/rad]
+  std::optional<NavigationOptions> navigation{};  ///< none: for a robot that follows targets
 };
 
 struct Refusal {

@@ -87,7 +87,7 @@ void RemoteRobot::greet(const std::string& token, const std::string& world) {
   check_robot(*model_, world, welcome_, parameters_.address);
   std::exchange(parameters_.accept, nullptr)(welcome_);
   Start start = start_of(*model_);
-  start.navigation = parameters_.navigation;
+  if (welcome_.navigates) start.navigation = parameters_.navigation;
   socket_.send(framed(Type::start, encode(start)), kSending);
 }
 

@@ -245,9 +245,10 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
     return refuse(peer, "posture", "the robot is still coming to rest: try again");
   }
   if (parameters_.navigates_in != nullptr) {
-    if (const auto what = lacks(robot_->read(), start.navigation.source)) return refuse(peer, "sensors", *what);
-    Onboard::Parameters parameters{start.navigation, !parameters_.real_time, nullptr};
-    if (parameters_.planning) parameters.planning = parameters_.planning(start.navigation.modes);
+    const NavigationOptions navigation = start.navigation.value_or(NavigationOptions{});
+    if (const auto what = lacks(robot_->read(), navigation.source)) return refuse(peer, "sensors", *what);
+    Onboard::Parameters parameters{navigation, !parameters_.real_time, nullptr};
+    if (parameters_.planning) parameters.planning = parameters_.planning(navigation.modes);
     try {
       onboard_ = std::make_unique<Onboard>(*model_, *parameters_.navigates_in, *robot_, std::move(parameters));
     } catch (const InputError& error) {

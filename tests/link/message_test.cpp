@@ -174,18 +174,21 @@ TEST(LinkMessage, ACommandOfAPartOrRecallThatThereIsNotIsMalformed) {
 
 TEST(LinkMessage, TheMannerOfNavigationIsWhatWasAskedFor) {
   for (int k = 0; k < 24; ++k) {
-    Start start{"pd", Vec2(1.0, 2.0), Vec2(3.0, 4.0), {}};
-    start.navigation.modes = {static_cast<DurationRule>(k % 2), static_cast<OnLimit>(k / 2 % 2),
-                              static_cast<Gait>(k / 4 % 2)};
-    start.navigation.source = static_cast<StateSource>(k / 8);
-    const Start read = decode_start(encode(start), 2);
-    EXPECT_EQ(read.navigation.modes.duration, start.navigation.modes.duration);
-    EXPECT_EQ(read.navigation.modes.on_limit, start.navigation.modes.on_limit);
-    EXPECT_EQ(read.navigation.modes.gait, start.navigation.modes.gait);
-    EXPECT_EQ(read.navigation.source, start.navigation.source);
+    const NavigationOptions asked{
+        {static_cast<DurationRule>(k % 2), static_cast<OnLimit>(k / 2 % 2), static_cast<Gait>(k / 4 % 2)},
+        static_cast<StateSource>(k / 8),
+        k % 3 == 0};
+    const Start start = decode_start(encode(Start{"pd", Vec2(1.0, 2.0), Vec2(3.0, 4.0), asked}), 2);
+    const NavigationOptions read = start.navigation.value();
+    EXPECT_EQ(read.modes.duration, asked.modes.duration);
+    EXPECT_EQ(read.modes.on_limit, asked.modes.on_limit);
+    EXPECT_EQ(read.modes.gait, asked.modes.gait);
+    EXPECT_EQ(read.source, asked.source);
+    EXPECT_EQ(read.hangs, asked.hangs);
   }
-  const Start bare = decode_start(R"({"drive": "pd", "kp": [1, 2], "kd": [3, 4]})", 2);  // of an older driver
-  EXPECT_EQ(bare.navigation.source, StateSource::sensors);
+  const std::string bare = encode(Start{"pd", Vec2(1.0, 2.0), Vec2(3.0, 4.0)});  // for a robot that follows targets
+  EXPECT_EQ(bare, R"({"drive":"pd","kd":[3.0,4.0],"kp":[1.0,2.0]})");
+  EXPECT_EQ(decode_start(bare, 2).navigation.value().source, StateSource::sensors);
   EXPECT_THAT(malformed([] { (void)decode_start(R"({"drive": "pd", "kp": [1], "kd": [3], "gait": "gallop"})", 1); }),
               HasSubstr("gait"));
 }

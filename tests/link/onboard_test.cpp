@@ -548,7 +548,7 @@ TEST_P(OnboardTest, ARobotThatDoesNotStandOrMeasuresTooLittleIsRefused) {
     };
     EXPECT_EQ(said(Type::hello, hello()).type, Type::welcome);
     Start start = start_of(robot_);
-    start.navigation.source = source;
+    start.navigation = NavigationOptions{{}, source};
     const std::string why = refused(said(Type::start, encode(start)));
     EXPECT_EQ(server.onboard() == nullptr, !why.empty());
     return why;
