@@ -318,6 +318,7 @@ Hello decode_hello(const std::string& body) {
   return from_json("hello", body, [](const JsonReader& reader) {
     Hello hello;
     hello.version = version_in(reader);
+    if (hello.version != kVersion) return hello;  // all else may mean anything
     if (reader.has("token")) hello.token = text_in(reader.at("token"));
     if (reader.has("role")) hello.role = role_in(reader.at("role"));
     return hello;
@@ -328,6 +329,7 @@ Welcome decode_welcome(const std::string& body) {
   return from_json("welcome", body, [](const JsonReader& reader) {
     Welcome welcome;
     welcome.version = version_in(reader);
+    if (welcome.version != kVersion) return welcome;
     if (reader.has("role")) welcome.role = role_in(reader.at("role"));
     welcome.robot = text_in(reader.at("robot"));
     for (const JsonReader& joint : reader.at("joints").list())
