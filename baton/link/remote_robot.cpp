@@ -114,7 +114,7 @@ Command RemoteRobot::guide(const std::function<Command()>& stick) {
 void RemoteRobot::drive_arms(const ArmTargets& targets) {
   arms_sent_.push_back(encode(targets));
   try {
-    socket_.send(framed(Type::arms, arms_sent_.back()), kSending);
+    send(Type::arms, arms_sent_.back());
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
   }
@@ -132,7 +132,7 @@ void RemoteRobot::write(const JointTarget& target) {
   }
   const Target sent{reading_.sequence, commanded(target), target.dq, target.tau};
   try {
-    socket_.send(framed(Type::target, encode(sent)), kSending);
+    send(Type::target, encode(sent));
     await_reading(parameters_.answering);
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
@@ -155,7 +155,26 @@ bool RemoteRobot::take_reading(Socket::Time limit) {
 }
 
 void RemoteRobot::tell(const Command& command) {
-  socket_.send(framed(Type::command, encode(StickPosition{expected_, command})), kSending);
+  send(Type::command, encode(StickPosition{expected_, command}));
+}
+
+void RemoteRobot::send(Type type, const std::string& body) {
+  try {
+    socket_.send(framed(type, body), kSending);
+  } catch (const LinkError&) {
+    hear_last_words();
+    throw;
+  }
+}
+
+void RemoteRobot::hear_last_words() {
+  try {
+    while (socket_.receive(stream_.bytes(), Socket::Time(0))) {
+    }
+  } catch (const LinkError&) {  // that was all
+  }
+  while (const std::optional<Message> message = stream_.next())
+    static_cast<void>(take(*message));
 }
 
 void RemoteRobot::catch_up() {

@@ -111,6 +111,11 @@ class RemoteRobot : public Robot {
   /// @throws LinkError it has not come in that time
   void await_reading(Socket::Time limit);
   void tell(const Command& command);
+  /// @throws LinkError the robot is gone; if it has said why, that
+  void send(Type type, const std::string& body);
+  /// Takes all that has come.
+  /// @throws LinkError it says why the robot is gone
+  void hear_last_words();
   void check_sequence(const Reading& reading);
 
   const RobotModel* model_;

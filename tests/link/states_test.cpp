@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -447,6 +448,42 @@ TEST_F(DriversStates, AreThoseOfTheTable) {
       }
     }
   }
+}
+
+TEST_F(DriversStates, EndWithTheReasonOfARefusalThoughNothingCanBeSentAnyMore) {
+  Socket listener = Socket::listen({"127.0.0.1", 0});
+  std::atomic<bool> closed{false};
+  std::string why;
+  std::thread driver([&] {
+    why = complaint([&] {
+      RemoteRobot remote(model_, "flat", {{"127.0.0.1", listener.port()}, ""});
+      const VecX zero = VecX::Zero(n_);
+      const JointTarget target{remote.read().q, zero, zero, zero, {true, true}, {}};
+      while (!closed)
+        std::this_thread::yield();
+      for (int tick = 0; tick < 5; ++tick)
+        remote.write(target);
+    });
+  });
+  std::optional<Socket> peer;
+  while (!peer)
+    peer = listener.accept();
+  std::string said = welcome(false);
+  for (std::uint64_t sequence = 0; sequence < 4; ++sequence)
+    said += measurement(sequence);
+  peer->send(said + framed(Type::refusal, encode(Refusal{"robot", "its own end"})), kLinkPatience);
+  Stream heard;
+  for (int messages = 0; messages < 2;) {  // hello and start
+    if (heard.next()) {
+      ++messages;
+    } else {
+      static_cast<void>(peer->receive(heard.bytes(), kLinkPatience));
+    }
+  }
+  peer.reset();
+  closed = true;
+  driver.join();
+  EXPECT_THAT(why, testing::HasSubstr("refused (robot): its own end"));
 }
 
 }  // namespace
