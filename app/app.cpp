@@ -190,7 +190,7 @@ void add_drive(CLI::App& command, DriveOptions& o) {
   add_physics(command, o.physics);
   add_answers(command, o.answers);
   add_calibration(command, o.calibration);
-  command.add_option("--seconds", o.seconds, "Simulated time after which the run ends")
+  command.add_option("--seconds", o.seconds, "Simulated time, or the robot's own, after which the run ends")
       ->transform(above_zero(kLongestRun));
   command.add_option("--seed", o.seed, "Seed of plant, scenario and answer faults; written to the report")
       ->capture_default_str()

@@ -193,6 +193,7 @@ class RobotsStates : public testing::TestWithParam<bool> {
         {"start with other servos", driver_says(Type::start, encode(other_servos))},
         {"damp message", driver_says(Type::damp, encode_text("at once"))},
         {"bye", driver_says(Type::bye, "")},
+        {"bye", driver_says(Type::bye, "with a body")},
         {"connection closed", [](Case& now) { now.driver.reset(); }},
         {"another or malformed message", driver_says(Type::tick, "")},
         {"5 s pass", [](Case& now) { now.settle(1100); }},
