@@ -99,7 +99,7 @@ ci-clang: setup-dev ## build with clang, warnings as errors
 	cmake --preset clang
 	cmake --build --preset clang
 
-bench: build ## CPU times; durations against their lower bound; a baseline; latency; each robot (about eight minutes)
+bench: build ## CPU times; durations against their lower bound; a baseline; latency; each robot (about ten minutes)
 	$(BUILD)/baton_bench $(ARGS)
 
 format: setup-dev ## format all C++ sources

@@ -51,8 +51,8 @@ inline void time(Row& row, const std::function<void()>& call) {
 struct Options {
   int scripts =
       0;  ///< scripts for the baseline comparison; 0: 1,000 for the baseline, as many of ours as fit in a minute
-  std::string robot = "mighty";  ///< for the latencies
-  int trials = 1000;             ///< for the latencies
+  std::string robot = "mighty";  ///< for the latencies and the connection
+  int trials = 1000;             ///< for the same: changes of the command
 };
 
 using Rows = std::vector<Row>;
@@ -65,6 +65,7 @@ Rows bench_run(const Options&);
 Rows bench_baseline(const Options&);
 Rows bench_latency(const Options&);
 Rows bench_link(const Options&);
+Rows link_in_real_time(const Options&);
 Rows bench_robots(const Options&);
 
 /// Inverse kinematics of a robot that walks and reaches.

@@ -1,4 +1,5 @@
-// What a connection adds to a tick: encoding and decoding, and the way there and back over the loopback device.
+// What a connection adds to a tick: encoding and decoding, and the way there and back over the loopback device; then a
+// robot that navigates, in real time.
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -7,10 +8,25 @@
 #include "baton/link/remote_robot.hpp"
 #include "baton/link/robot_server.hpp"
 #include "baton/model/world.hpp"
-#include "baton/robot/ideal_robot.hpp"
 #include "bench/bench.hpp"
+#include "bench/noted_robot.hpp"
 
 namespace baton::bench {
+
+namespace {
+
+/// As many as may be known.
+ArmTargets most_targets(const RobotModel& robot) {
+  ArmTargets targets = released_arms(robot);
+  const auto columns = static_cast<Eigen::Index>(targets.joints.size());
+  const auto rows = static_cast<Eigen::Index>(ArmTrajectory::kMostNumbers) / columns;
+  targets.q = 0.1 * MatX::Random(rows, columns);
+  for (Eigen::Index row = 0; row < rows; ++row)
+    targets.t.push_back(static_cast<double>(row) / 30.0);
+  return targets;
+}
+
+}  // namespace
 
 Rows bench_link(const Options& options) {
   constexpr int kTicks = 5000;
@@ -18,7 +34,7 @@ Rows bench_link(const Options& options) {
   const World world = World::load("flat");
   const Eigen::Index joints = robot.nv() - 6;
   const Posture start = stand(robot, world.site("start"), robot.profile().stance.com_height);
-  IdealRobot served(robot, start, robot.profile().tick.period);
+  NotedRobot served(robot, start);
   link::RobotServer server(
       robot, served,
       {.listen = {"127.0.0.1", 0}, .token = "", .on = "ideal", .world = "flat", .log = [](const auto&) {}});
@@ -34,7 +50,7 @@ Rows bench_link(const Options& options) {
 
   Row coding{"link: target and measurement, coded twice", {}, "CPU time of both ends together"};
   Row turn{"link: there and back over loopback", {}, "wall time, an ideal robot at the other end"};
-  Row cpu{"link: a tick at both ends", {}, "CPU time, the ideal robot's included, mean of all"};
+  Row cpu{"link: a tick at both ends", {}, "CPU time without the ideal robot's, mean of all"};
   {
     link::RemoteRobot remote(robot, "flat", {address, ""});
     const Measurement measured = remote.read();
@@ -57,8 +73,14 @@ Rows bench_link(const Options& options) {
   }
   stop = true;
   thread.join();
-  cpu.values.front() += server_us / kTicks;
-  return {coding, turn, cpu};
+  cpu.values.front() += server_us / kTicks - served.own_us();
+  Row arms{"link: the most targets for the arms, read", {}, "CPU time"};
+  const std::string body = link::encode(most_targets(robot));
+  for (int k = 0; k < 50; ++k)
+    time(arms, [&] { (void)link::decode_arms(body); });
+  Rows rows{coding, arms, turn, cpu};
+  std::ranges::copy(link_in_real_time(options), std::back_inserter(rows));
+  return rows;
 }
 
 }  // namespace baton::bench

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
   app.add_option("--scripts", options.scripts,
                  "for `baseline`: this many for both sides (1000, and what a minute takes)");
   app.add_option("--robot", options.robot, "for `latency` and `link`: a name in robots/ or a profile's file (mighty)");
-  app.add_option("--trials", options.trials, "for `latency`: changes of the command (1000)")
+  app.add_option("--trials", options.trials, "for `latency` and `link`: changes of the command (1000)")
       ->check(CLI::Range(1, 1000000));
   CLI11_PARSE(app, argc, argv);
 
