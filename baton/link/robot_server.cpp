@@ -17,10 +17,10 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::size_t kMostUnsent = kLongest + (1U << 16U);  ///< a peer that leaves more does not listen [bytes]
-constexpr std::chrono::seconds kGreeting{5};                 ///< by which a connection has to say what it wants
-constexpr std::size_t kMostGuests = 16;
-constexpr int kMostInTurn = 16;                              ///< messages of one peer before others are heard
-constexpr std::chrono::seconds kRefusals{1};                 ///< of refusals within this time one is logged
+constexpr std::chrono::seconds kGreeting{5};  ///< by which a connection has to say what it wants, or be closed
+constexpr std::size_t kMostGuests = 16;       ///< who have said nothing yet; the same who have been dismissed
+constexpr int kMostInTurn = 16;               ///< messages of one peer before others are heard
+constexpr std::chrono::seconds kRefusals{1};  ///< of refusals within this time one is logged
 constexpr std::size_t kMostAtOnce = kLongest + (1U << 16U);  ///< read from one peer before others are heard [bytes]
 constexpr long kEveryRejection = 200;                        ///< of so many rejections in a row one is logged
 constexpr std::uint64_t kOldest =
@@ -109,6 +109,7 @@ void RobotServer::hear_all() {
     }
   }
   guests_ = std::move(staying);
+  see_off();
   if (driver_ && !driver_->started && now - driver_->since > kGreeting) drop_driver("it does not start");
   accept();
 }
@@ -506,8 +507,28 @@ bool RobotServer::refuse(Peer& peer, const std::string& reason, const std::strin
     refusals_ = 0;
     refused_at_ = now;
   }
-  tell(peer, framed(Type::refusal, encode(Refusal{reason, text})));
+  return dismiss(peer, framed(Type::refusal, encode(Refusal{reason, text})));
+}
+
+bool RobotServer::dismiss(Peer& peer, const std::string& last) {
+  tell(peer, last);
+  peer.since = parameters_.now();
+  if (dismissed_.size() >= kMostGuests) dismissed_.erase(dismissed_.begin());
+  dismissed_.push_back(std::move(peer));
   return false;
+}
+
+void RobotServer::see_off() {
+  std::erase_if(dismissed_, [now = parameters_.now()](Peer& peer) {
+    try {
+      peer.unsent.empty() ? peer.socket.finish() : tell(peer, {});
+      for (int k = 0; k < kMostInTurn && peer.socket.receive(peer.stream.bytes(), Socket::Time(0)); ++k)
+        peer.stream.bytes().clear();
+    } catch (const LinkError&) {  // closed
+      return true;
+    }
+    return now - peer.since > kGreeting;
+  });
 }
 
 void RobotServer::drop_driver(const std::string& why) {
@@ -547,7 +568,7 @@ void RobotServer::arm() {
     return parameters_.log("not armed: arm the robot at its own end, and start this one again");
   if (driver_) {
     try {
-      tell(*driver_, framed(Type::bye));
+      dismiss(*driver_, framed(Type::bye));
     } catch (const LinkError&) {  // it is gone already
     }
   }

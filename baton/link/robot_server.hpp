@@ -132,7 +132,12 @@ class RobotServer {
   /// Sends as much as the peer takes at once, and the rest later.
   /// @throws LinkError it is gone, or takes nothing
   static void tell(Peer& peer, const std::string& bytes);
+  /// @returns false: it does not stay connected
   [[nodiscard]] bool refuse(Peer& peer, const std::string& reason, const std::string& text);
+  /// The same by another last message. What comes to a connection that is closed makes it lose what it has not
+  /// delivered: so it is open until the peer closes it, for some seconds, and what comes is dropped.
+  bool dismiss(Peer& peer, const std::string& last);
+  void see_off();
   /// @param why for the log; "": it is there already
   void drop_driver(const std::string& why);
   void drop_observer(const std::string& why);
@@ -145,6 +150,7 @@ class RobotServer {
   std::vector<Peer> guests_;          ///< connected, and nothing agreed on yet
   std::optional<Peer> driver_;        ///< at most one
   std::optional<Peer> observer_;      ///< the same
+  std::vector<Peer> dismissed_;       ///< told their last message
   std::uint64_t shown_ = 0;           ///< measurements since it came
   std::unique_ptr<Onboard> onboard_;  ///< null before the first start, and if it follows targets
   TargetCheck check_;

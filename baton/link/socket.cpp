@@ -203,6 +203,10 @@ std::size_t Socket::send_some(std::string_view bytes) {
   }
 }
 
+void Socket::finish() {
+  ::shutdown(descriptor_, SHUT_WR);
+}
+
 bool Socket::receive(std::string& bytes, Time limit) {
   std::array<char, 16384> some{};
   bool any = false;

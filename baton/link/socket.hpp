@@ -59,6 +59,8 @@ class Socket {
   /// @returns how much that is [bytes]
   /// @throws LinkError the other end is gone
   std::size_t send_some(std::string_view bytes);
+  /// Sends no more: once the other end has taken all, it finds the connection closed.
+  void finish();
   /// Appends what has arrived; waits if nothing has.
   /// @returns whether anything has
   /// @throws LinkError the other end is gone

@@ -262,6 +262,24 @@ TEST_P(OnboardTest, ManyTargetsForTheArmsDoNotEndAConnectionThatTakesLittleAtATi
   EXPECT_EQ(tick(raw.answer()).reading.sequence, 0U);
 }
 
+TEST_P(OnboardTest, ADriverThatIsFarBehindStillHearsWhyItIsRefused) {
+  Served served(robot_, {}, "", Served::Pace::by_test, true);
+  Raw raw(served.address());
+  start(raw);
+  raw.narrow();
+  for (int k = 0; k < ticks(2.0); k += 10)
+    served.pass(10);
+  raw.send(Type::target, "");
+  for (int k = 0; k < 10; ++k) {
+    served.pass(0);
+    raw.send(Type::command, encode(StickPosition{}));
+  }
+  Message message = raw.answer();
+  while (message.type == Type::tick)
+    message = raw.answer();
+  EXPECT_THAT(refused(message), HasSubstr("a target: must be a command"));
+}
+
 TEST_P(OnboardTest, ArmsThatAreRejectedForLongDoNotEndARun) {
   Served served(robot_, {}, "", Served::Pace::lock_step, true);
   Echo echo(robot_, served);
