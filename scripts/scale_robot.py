@@ -69,7 +69,7 @@ PROFILE = {
     "ground": {"flatness": LENGTH, "tilt_deg": NONE},
     "duration": {"default": TIME, "step": TIME, "max": TIME},
     "phases": {"step": NONE, "lift": NONE, "lower": NONE, "flow": NONE, "weights": NONE},
-    "margin": {"zmp_plan": LENGTH, "zmp_verify": LENGTH, "zmp_feedback": LENGTH, "stand_on": LENGTH, "joint": NONE,
+    "margin": {"zmp_plan": LENGTH, "zmp_outward": LENGTH, "zmp_verify": LENGTH, "zmp_feedback": LENGTH, "stand_on": LENGTH, "joint": NONE,
                "speed": NONE, "torque": NONE, "acceleration": -1.0, "friction": NONE, "self_collision": LENGTH, "edge": LENGTH},
     "ik": {"position": LENGTH, "rotation": NONE, "hand": LENGTH},
     "tick": {"period": NONE, "lookahead": NONE},

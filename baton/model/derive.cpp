@@ -439,6 +439,7 @@ void fill_from(const Size& size, Filler& fill) {
   fill("phases.flow", toml::array{0.15, 0.45, 0.40}, "fixed");
   fill("phases.weights", toml::array{1.0, 3.0, 3.0, 1.0}, "fixed");
   fill.length("margin.zmp_plan", 12.0 / 36.0, w, "w");
+  fill.length("margin.zmp_outward", 0.012 / 0.26, h, "h");
   fill.length("margin.zmp_verify", 3.0 / 36.0, w, "w");
   fill.length("margin.zmp_feedback", 4.0 / 36.0, w, "w");
   fill.length("margin.stand_on", 25.0 / 36.0, w, "w");

@@ -14,6 +14,7 @@ constexpr double kPushSwing = 0.7;         ///< factor on swing height and short
 
 Limits Limits::normal(const Profile& profile) {
   return {.zmp_plan = profile.margin.zmp_plan,
+          .zmp_outward = profile.margin.zmp_outward,
           .zmp_verify = profile.margin.zmp_verify,
           .joint = profile.margin.joint,
           .torque = profile.margin.torque,
@@ -33,7 +34,7 @@ Limits Limits::uneven_ground(const Profile& profile) {
 
 Limits Limits::push_recovery(const Profile& profile) {
   Limits limits = normal(profile);
-  limits.zmp_plan = profile.margin.zmp_feedback;
+  limits.zmp_plan = limits.zmp_outward = profile.margin.zmp_feedback;
   limits.torque = 1.0;
   limits.heat = kPushHeat;
   limits.acceleration *= kPushAcceleration;

@@ -9,6 +9,7 @@ namespace baton {
 /// are limited by `Joint::speed`; the margins of goals and balance are read from the profile itself.
 struct Limits {
   double zmp_plan = 0.0;          ///< least margin of the point-mass ZMP inside the support polygon [m]
+  double zmp_outward = 0.0;       ///< the same from the outer edges of the soles, if more [m]
   double zmp_verify = 0.0;        ///< the same for the whole-body ZMP [m]
   Vec2 com_offset{Vec2::Zero()};  ///< of the robot's COM from the model's, in the planning frame [m]
   double joint = 0.0;             ///< least distance of a joint from its position limits [rad]

@@ -191,6 +191,7 @@ Profile Profile::complete_with(const CompleteProfile& complete, const std::files
   p.phases = {shares<3>(read, "phases.step"), shares<2>(read, "phases.lift"), shares<2>(read, "phases.lower"),
               shares<3>(read, "phases.flow"), read.numbers<4>("phases.weights", 1e-6, 1e6)};
   p.margin.zmp_plan = read.number("margin.zmp_plan", 0, 1);
+  p.margin.zmp_outward = read.number("margin.zmp_outward", 0, 1);
   p.margin.zmp_verify = read.number("margin.zmp_verify", 0, 1);
   p.margin.zmp_feedback = read.number("margin.zmp_feedback", 0, 1);
   p.margin.stand_on = read.number("margin.stand_on", 0, 1);

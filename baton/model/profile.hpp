@@ -117,6 +117,7 @@ struct Profile {
 
   struct Margin {
     double zmp_plan = 0.0;        ///< of the planned point-mass ZMP inside the support polygon [m]
+    double zmp_outward = 0.0;     ///< of the planned point-mass ZMP from the outer edges of the soles, if more [m]
     double zmp_verify = 0.0;      ///< of the whole-body ZMP, in verification [m]
     double zmp_feedback = 0.0;    ///< of the ZMP that the stabiliser commands [m]
     double stand_on = 0.0;        ///< of the COM at rest [m]

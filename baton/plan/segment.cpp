@@ -125,7 +125,11 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
     // Soles move only in swing: before it they are at the start, after it at the goal.
     const BySide<Pose>& sole = i == 0 ? from.sole : goal.sole;
     const Vec3 com = start + (end - start) * (static_cast<double>(i) / static_cast<double>(shares.size()));
-    com_.phases.push_back({shares[i], support_polygon(robot, sole, contact_[i], com, plane)});
+    const ConvexPolygon support = support_polygon(robot, sole, contact_[i], com, plane);
+    const ConvexPolygon inner = within_outer_edges(support, sole, contact_[i]);
+    // A motion may begin elsewhere, after a capture step.
+    const bool begins = i > 0 || inner.margin(drive.head<2>()) >= limits.zmp_plan;
+    com_.phases.push_back({shares[i], begins && !inner.empty() ? inner : support});
   }
   if (goal.swing) {
     const double size = robot.profile().stance.com_height;
@@ -134,6 +138,27 @@ Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal,
     while (outward_ < kMostOutward * size && least_gap() < wanted)
       outward_ += kOutwardStep * size;
   }
+}
+
+ConvexPolygon Segment::within_outer_edges(ConvexPolygon support, const BySide<Pose>& sole,
+                                          const BySide<bool>& contact) const {
+  const double more = limits_.zmp_outward - limits_.zmp_plan;
+  if (more <= 0.0) return support;
+  for (const Side side : kSides) {
+    if (!contact[side]) continue;
+    double edge = 0.0;
+    for (const Vec2& corner : robot_->sole(side).vertices())
+      edge = std::max(edge, sign_of(side) * corner.y());
+    const double far = 10.0 * robot_->profile().stance.com_height;
+    std::array<Vec2, 4> corners;
+    std::size_t k = 0;
+    for (const double x : {-far, far}) {
+      for (const double y : {edge - more, -far})
+        corners[k++] = (sole[side] * Vec3(x, sign_of(side) * y, 0.0)).head<2>();
+    }
+    support = support.clipped(ConvexPolygon::hull(corners));
+  }
+  return support;
 }
 
 double Segment::least_gap() const {

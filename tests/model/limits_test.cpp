@@ -27,12 +27,14 @@ TEST_P(LimitsTest, AStepThatCatchesTheRobotKeepsWhatTheNextMotionNeeds) {
   Limits push = Limits::push_recovery(profile_);
   EXPECT_LE(push.zmp_plan, normal_.zmp_plan);
   EXPECT_GE(push.zmp_plan, push.zmp_verify);
+  EXPECT_EQ(push.zmp_outward, push.zmp_plan);
   EXPECT_EQ(push.torque, 1.0);
   EXPECT_GT(push.heat, normal_.heat);
   EXPECT_GT(push.acceleration, normal_.acceleration);
   EXPECT_LT(push.swing_clearance, normal_.swing_clearance);
   EXPECT_LT(push.swing_time, normal_.swing_time);
   push.zmp_plan = normal_.zmp_plan;
+  push.zmp_outward = normal_.zmp_outward;
   push.torque = normal_.torque;
   push.heat = normal_.heat;
   push.acceleration = normal_.acceleration;

@@ -78,6 +78,53 @@ TEST_P(PlannerTest, TheZmpIsPlannedForARobotWhoseComIsOff) {
   EXPECT_GT(planned, 30);
 }
 
+TEST_P(PlannerTest, TheZmpKeepsAwayFromOuterEdges) {
+  // Whatever the offset of the COM, under either rule; and most goals still have a motion.
+  Planner planner(robot_, world_);
+  const Guide guide(robot_, world_);
+  std::mt19937_64 random(33);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int asked = 0;
+  int planned = 0;
+  double nearest = 1.0;
+  for (std::size_t k = 0; k < 60; ++k) {
+    GuideContext context = test::at_home(robot_);
+    context.com_offset = 0.01 * size_ * Vec2(unit(random), unit(random));
+    Limits limits = limits_;
+    limits.com_offset = context.com_offset;
+    limits.zmp_outward = 1.1 * robot_.sole_half_width();
+    const GuideResult guided = guide.goals(context, test::in_turn(k, random));
+    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+    if (goals == nullptr) continue;
+    ++asked;
+    const DurationRule rule = k % 2 == 0 ? DurationRule::paper : DurationRule::search;
+    const PlanResult result = planner.plan(context.from, goals->front(), context.anchor, limits, rule);
+    const auto* found = std::get_if<PlannedMotion>(&result);
+    if (found == nullptr) continue;
+    ++planned;
+    const Motion& motion = *found->motion;
+    // In the last sample the ZMP may stop where the limbs come to rest.
+    for (int tick = 0; tick < motion.ticks(); ++tick) {
+      const MotionSample& sample = motion.samples[static_cast<std::size_t>(tick)];
+      const ComState com = motion.com.at(tick * motion.period);
+      const Vec2 zmp = zmp_of_vrp(com.p, com.v, sample.zmp_height, motion.com.omega());
+      for (const Side side : kSides) {
+        if (!sample.contact[side]) continue;
+        const Pose& sole = sample.sole[side];
+        const Vec3 from_sole = sole.R.transpose() * (Vec3(zmp.x(), zmp.y(), sole.p.z()) - sole.p);
+        double edge = 0.0;
+        for (const Vec2& corner : robot_.sole(side).vertices())
+          edge = std::max(edge, sign_of(side) * corner.y());
+        const double inside = edge - sign_of(side) * from_sole.y();
+        nearest = std::min(nearest, inside);
+        ASSERT_GE(inside, limits.zmp_outward - 1e-3 * size_) << k << ' ' << tick;
+      }
+    }
+  }
+  EXPECT_LT(nearest, limits_.zmp_plan + robot_.sole_half_width());  // it does matter
+  EXPECT_GT(planned, 3 * asked / 4);
+}
+
 TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
   Planner paper(robot_, world_, DurationRule::paper);
   Planner search(robot_, world_, DurationRule::search);
