@@ -50,8 +50,8 @@ class Segment {
   [[nodiscard]] Vec2 apex(double duration) const;
   /// Swing foot pose at time t of a swing of `duration` [s].
   [[nodiscard]] Pose swing(double t, double duration) const;
-  /// The support without what is nearer than `Limits::zmp_outward` to the outer edges of the soles, but for the margin
-  /// on all sides: there the ZMP needs room to bring back a robot that tips aside over the foot that it stands on.
+  /// Cuts off the support along the outer edges of the soles in contact, so that a ZMP `zmp_plan` inside the rest is
+  /// `Limits::zmp_outward` inside those edges: room for the stabiliser to bring back a robot that tips outward.
   [[nodiscard]] ConvexPolygon within_outer_edges(ConvexPolygon support, const BySide<Pose>& sole,
                                                  const BySide<bool>& contact) const;
   /// Least gap between the sole outlines along the swing [m].

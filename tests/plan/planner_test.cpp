@@ -16,6 +16,35 @@ class PlannerTest : public testing::TestWithParam<std::string> {
   const World world_ = World::load("flat");
   const Limits limits_ = Limits::normal(robot_.profile());
   const double size_ = robot_.profile().stance.com_height / 0.26;
+
+  /// Goals of a robot whose COM is off, in turn and at random; one in two is planned by `second`.
+  /// @param most offset of the COM, forward and aside [m]
+  /// @param see is shown each motion that is found, and the limits that it was planned within
+  /// @returns the number of goals, and of motions
+  template <typename See>
+  std::pair<int, int> plan_with_com_off(std::uint64_t seed, double most, DurationRule second, Limits limits, See see) {
+    Planner planner(robot_, world_);
+    const Guide guide(robot_, world_);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::pair<int, int> count{0, 0};
+    for (std::size_t k = 0; k < 60; ++k) {
+      GuideContext context = test::at_home(robot_);
+      context.com_offset = most * Vec2(unit(random), unit(random));
+      limits.com_offset = context.com_offset;
+      const GuideResult guided = guide.goals(context, test::in_turn(k, random));
+      const auto* goals = std::get_if<std::vector<Goal>>(&guided);
+      if (goals == nullptr) continue;
+      ++count.first;
+      const DurationRule rule = k % 2 == 0 ? DurationRule::paper : second;
+      const PlanResult result = planner.plan(context.from, goals->front(), context.anchor, limits, rule);
+      const auto* found = std::get_if<PlannedMotion>(&result);
+      if (found == nullptr) continue;
+      ++count.second;
+      see(*found->motion, limits);
+    }
+    return count;
+  }
 };
 
 INSTANTIATE_TEST_SUITE_P(Robots, PlannerTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
@@ -49,60 +78,25 @@ TEST_P(PlannerTest, TheZmpIsPlannedForTheWholeBody) {
 
 TEST_P(PlannerTest, TheZmpIsPlannedForARobotWhoseComIsOff) {
   // The ZMP of the model, displaced by the offset, stays inside the soles, and a step ends with it between the feet.
-  Planner planner(robot_, world_);
-  const Guide guide(robot_, world_);
-  std::mt19937_64 random(32);
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  int planned = 0;
-  for (std::size_t k = 0; k < 60; ++k) {
-    GuideContext context = test::at_home(robot_);
-    context.com_offset = 0.015 * size_ * Vec2(unit(random), unit(random));
-    Limits limits = limits_;
-    limits.com_offset = context.com_offset;
-    const GuideResult guided = guide.goals(context, test::in_turn(k, random));
-    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
-    if (goals == nullptr) continue;
-    const PlanResult result = planner.plan(context.from, goals->front(), context.anchor, limits);
-    const auto* found = std::get_if<PlannedMotion>(&result);
-    if (found == nullptr) continue;
-    ++planned;
-    const Motion& motion = *found->motion;
+  const auto see = [&](const Motion& motion, const Limits& limits) {
     for (const MotionSample& sample : motion.samples) {
       const ConvexPolygon support = support_polygon(robot_, sample.sole, sample.contact, sample.com, sample.zmp_height);
       ASSERT_GE(support.margin(sample.zmp + limits.com_offset), robot_.profile().margin.zmp_verify - 1e-9);
     }
-    if (motion.goal.kind != SegmentKind::step) continue;
+    if (motion.goal.kind != SegmentKind::step) return;
     const Vec2 middle = 0.5 * (motion.goal.sole.left.p + motion.goal.sole.right.p).head<2>();
     EXPECT_LT((motion.goal.com.head<2>() + limits.com_offset - middle).norm(), 1e-9);
-  }
+  };
+  const auto [goals, planned] = plan_with_com_off(32, 0.015 * size_, DurationRule::paper, limits_, see);
   EXPECT_GT(planned, 30);
 }
 
 TEST_P(PlannerTest, TheZmpKeepsAwayFromOuterEdges) {
-  // Whatever the offset of the COM, under either rule; and most goals still have a motion.
-  Planner planner(robot_, world_);
-  const Guide guide(robot_, world_);
-  std::mt19937_64 random(33);
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  int asked = 0;
-  int planned = 0;
+  // Under either rule; and most goals still have a motion.
+  Limits narrow = limits_;
+  narrow.zmp_outward = 1.1 * robot_.sole_half_width();
   double nearest = 1.0;
-  for (std::size_t k = 0; k < 60; ++k) {
-    GuideContext context = test::at_home(robot_);
-    context.com_offset = 0.01 * size_ * Vec2(unit(random), unit(random));
-    Limits limits = limits_;
-    limits.com_offset = context.com_offset;
-    limits.zmp_outward = 1.1 * robot_.sole_half_width();
-    const GuideResult guided = guide.goals(context, test::in_turn(k, random));
-    const auto* goals = std::get_if<std::vector<Goal>>(&guided);
-    if (goals == nullptr) continue;
-    ++asked;
-    const DurationRule rule = k % 2 == 0 ? DurationRule::paper : DurationRule::search;
-    const PlanResult result = planner.plan(context.from, goals->front(), context.anchor, limits, rule);
-    const auto* found = std::get_if<PlannedMotion>(&result);
-    if (found == nullptr) continue;
-    ++planned;
-    const Motion& motion = *found->motion;
+  const auto see = [&](const Motion& motion, const Limits& limits) {
     // In the last sample the ZMP may stop where the limbs come to rest.
     for (int tick = 0; tick < motion.ticks(); ++tick) {
       const MotionSample& sample = motion.samples[static_cast<std::size_t>(tick)];
@@ -117,12 +111,13 @@ TEST_P(PlannerTest, TheZmpKeepsAwayFromOuterEdges) {
           edge = std::max(edge, sign_of(side) * corner.y());
         const double inside = edge - sign_of(side) * from_sole.y();
         nearest = std::min(nearest, inside);
-        ASSERT_GE(inside, limits.zmp_outward - 1e-3 * size_) << k << ' ' << tick;
+        ASSERT_GE(inside, limits.zmp_outward - 1e-3 * size_) << tick;
       }
     }
-  }
+  };
+  const auto [goals, planned] = plan_with_com_off(33, 0.01 * size_, DurationRule::search, narrow, see);
   EXPECT_LT(nearest, limits_.zmp_plan + robot_.sole_half_width());  // it does matter
-  EXPECT_GT(planned, 3 * asked / 4);
+  EXPECT_GT(planned, 3 * goals / 4);
 }
 
 TEST_P(PlannerTest, TheSearchIsSeldomLongerThanThePapersRuleAndAsWellVerified) {
