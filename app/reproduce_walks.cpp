@@ -61,7 +61,7 @@ std::vector<Walk> walks() {
       {"curve", "flat", {{kWalkTime, {1, 0, 0.3}}}},
       {"diagonal", "flat", {{kWalkTime, {0.7, -0.7, 0}}}},
       {"there and back", "flat", {{0.5 * kWalkTime, {1, 0, 0}}, {0.5 * kWalkTime, {-1, 0, 0}}}},
-      {"down the steps", "room", {{8.0, {1, 0, 0}}, {kWalkTime, {0, 0, 1}}}},
+      {"down the steps", "room", {{5.0, {1, 0, 0}}, {kWalkTime, {0, 0, 1}}}},
       {"down and up", "room", {{12.0, {1, 0, 0}}, {15.0, {-1, 0, 0}}}},
       {"replanned", "flat", replanned(dice, false)},
       {"replanned steps", "room", replanned(dice, true)},

@@ -32,7 +32,7 @@ constexpr double kMaxTurn = 0.2;         ///< bound of the offset in tilt and ya
 constexpr double kTippingTime = 0.18;    ///< time after which an excess moment in one direction means tipping
 constexpr double kMaxTippingGain = 4.0;  ///< largest factor on compliance with excess moment while tipping
 constexpr double kMaxSoftGain = 4.0;     ///< largest factor on soft ground
-constexpr double kAirRate = 1.6;         ///< decay of the offset in the air
+constexpr double kAirRate = 4.0;         ///< a sole in the air goes where the trunk's errors call for
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
 constexpr double kOld = 0.066;           ///< age of measurements that halves all compliance
 constexpr double kAgeRate = 0.3;         ///< low-pass of the measurements' age
@@ -50,6 +50,10 @@ double ankle_stiffness(const RobotModel& robot) {
   for (const Side side : kSides)
     stiffness = std::max(stiffness, robot.joints()[static_cast<std::size_t>(robot.leg(side).back())].gains.kp);
   return stiffness;
+}
+
+Pose root_of(const VecX& q) {
+  return {q.head<3>(), Eigen::Quaterniond(q[3], q[4], q[5], q[6]).toRotationMatrix()};
 }
 
 /// The links of the legs, each after its parent.
@@ -110,12 +114,24 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       double& z = offset_[side].p.z();
       z = std::max(z - share_of(kSearch) * height_, -kMaxHeight * height_);
     } else if (!now.contact[side]) {
-      // In the air: back to the plan, tilted like the terrain.
       Offset& offset = offset_[side];
-      offset.p *= 1.0 - share_of(kAirRate);
-      offset.turn += share_of(kAirRate) * (Vec3(floor_tilt_.x(), floor_tilt_.y(), 0.0) - offset.turn);
+      const Offset wish = levelled(side, now, state);
+      offset.p += share_of(kAirRate) * (wish.p - offset.p);
+      offset.turn += share_of(kAirRate) * (wish.turn - offset.turn);
     }
   }
+}
+
+Footing::Offset Footing::levelled(Side side, const MotionSample& now, const State& state) const {
+  const Pose planned = root_of(now.q);
+  const Pose measured = root_of(state.q);
+  const Mat3 turned = measured.R * planned.R.transpose();
+  const double raised = (measured.p + turned * (now.sole[side].p - planned.p) - now.sole[side].p).z();
+  const Vec2 inclined = rotation_error(turned, Mat3::Identity()).head<2>();
+  Offset offset;
+  offset.p.z() = -std::clamp(beyond(raised, kPlaceBand * height_), -kMaxHeight * height_, kMaxHeight * height_);
+  offset.turn.head<2>() = floor_tilt_ - bounded(beyond(inclined, kTiltBand), kMaxTurn);  // as flat as the ground
+  return offset;
 }
 
 void Footing::relax(const State& state, const BySide<Wrench>& wanted) {

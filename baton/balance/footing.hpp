@@ -38,6 +38,9 @@ class Footing {
   /// @param carries gain by the load, 0…1
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
 
+  /// The offset that keeps a sole in the air at its planned height and inclination, although the trunk is off its plan.
+  [[nodiscard]] Offset levelled(Side side, const MotionSample& now, const State& state) const;
+
   /// Moves the soles apart or together, to relax internal forces between the legs.
   void relax(const State& state, const BySide<Wrench>& wanted);
 

@@ -18,10 +18,12 @@ constexpr double kInset = 0.5;       ///< share of `zmp_feedback`: an inset hull
 WrenchDistribution::ConeRows limits_of(const ConvexPolygon& outline, double friction, double lever) {
   const std::vector<Vec2>& vertices = outline.vertices();
   const auto n = static_cast<Eigen::Index>(vertices.size());
-  WrenchDistribution::ConeRows limits = WrenchDistribution::ConeRows::Zero(n + 6, 6);
+  WrenchDistribution::ConeRows limits = WrenchDistribution::ConeRows::Zero(n + 8, 6);
   double radius = std::numeric_limits<double>::infinity();
+  Range length{0.0, 0.0};
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vec2& from = vertices[static_cast<std::size_t>(i)];
+    length = {std::min(length.lo, from.x()), std::max(length.hi, from.x())};
     const Vec2 along = (vertices[static_cast<std::size_t>((i + 1) % n)] - from).normalized();
     const Vec2 inward(-along.y(), along.x());
     // The centre of pressure (−my, mx)/fz is on the inner side of each edge.
@@ -29,12 +31,16 @@ WrenchDistribution::ConeRows limits_of(const ConvexPolygon& outline, double fric
     radius = std::min(radius, -inward.dot(from));
   }
   const double pyramid = friction / std::sqrt(2.0);    // inscribed in the cone
-  const double twist = 2.0 / 3.0 * radius * friction;  // of the largest inscribed disc, evenly loaded
+  // Twist of the largest inscribed disc, evenly loaded; of a long sole, more, by a line from heel to toe that is evenly
+  // loaded. The nearer the centre of pressure is to its ends, the less is added.
+  const double twist = 2.0 / 3.0 * radius * friction;
+  const double more = std::max(0.0, 0.5 * friction * std::min(-length.lo, length.hi) - twist);
   for (Eigen::Index sign = 0; sign < 2; ++sign) {
     const double s = sign == 0 ? 1.0 : -1.0;
     limits.row(n + sign) << s * lever, 0.0, pyramid * lever, 0.0, 0.0, 0.0;
     limits.row(n + 2 + sign) << 0.0, s * lever, pyramid * lever, 0.0, 0.0, 0.0;
-    limits.row(n + 4 + sign) << 0.0, 0.0, twist, 0.0, 0.0, s;
+    limits.row(n + 4 + sign) << 0.0, 0.0, twist + more, 0.0, more / length.hi, s;
+    limits.row(n + 6 + sign) << 0.0, 0.0, twist + more, 0.0, more / length.lo, s;
   }
   return limits;
 }

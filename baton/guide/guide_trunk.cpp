@@ -23,7 +23,7 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target
   const Posture& from = context.from;
   const Mat3 heading = rotation_z(from.heading());
   Goal goal = stay(context, Part::trunk);
-  goal.com += heading * target.move.head<3>();
+  goal.com += heading * walking_on(context, target.move.head<3>());
   const double support = from.support_height();
   const double asked = goal.com.z() - support;
   goal.com.z() = support + region.com_height.clamped(asked);
@@ -54,6 +54,16 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target
     made.drift_correction.p.z() = 0.0;
   }
   return result;
+}
+
+Vec3 Guide::walking_on(const GuideContext& context, Vec3 move) const {
+  const double length = move.head<2>().norm();
+  if (!context.stick_held || context.step || length < kRounding) return move;
+  const BySide<Pose>& sole = context.from.sole;
+  const Vec3 apart = rotation_z(-context.from.heading()) * (sole.left.p - sole.right.p);
+  const double ahead = 0.5 * std::abs(apart.x() * move.x()) / length;
+  move.head<2>() *= 1.0 + std::min(1.0, ahead / length);
+  return move;
 }
 
 GuideResult Guide::stand_under(const GuideContext& context, const Goal& goal) const {

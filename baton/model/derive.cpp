@@ -396,6 +396,8 @@ void derive_servos(const mjModel& m, const fs::path& model, double omega, double
       kStallAngle, kServoDamping);
 }
 
+constexpr double kNarrowSole = 0.1;  ///< half-width below which a sole is narrow [COM height]
+
 /// What lengths and times are derived from.
 struct Size {
   double h = 0.0;           ///< COM height [m]
@@ -436,7 +438,11 @@ void fill_from(const Size& size, Filler& fill) {
   fill("phases.step", toml::array{0.25, 0.40, 0.35}, "fixed");
   fill("phases.lift", toml::array{0.5, 0.5}, "fixed");
   fill("phases.lower", toml::array{0.5, 0.5}, "fixed");
-  fill("phases.flow", toml::array{0.15, 0.45, 0.40}, "fixed");
+  if (w < kNarrowSole * h) {  // with less room for the ZMP the transfer of the weight takes longer
+    fill("phases.flow", toml::array{0.20, 0.42, 0.38}, fmt::format("w < {} h", kNarrowSole));
+  } else {
+    fill("phases.flow", toml::array{0.15, 0.45, 0.40}, fmt::format("w ≥ {} h", kNarrowSole));
+  }
   fill("phases.weights", toml::array{1.0, 3.0, 3.0, 1.0}, "fixed");
   fill.length("margin.zmp_plan", 12.0 / 36.0, w, "w");
   fill.length("margin.zmp_outward", 0.012 / 0.26, h, "h");

@@ -231,7 +231,7 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
   EXPECT_EQ(walk({}), 0);
   ASSERT_GT(halts, 5.0);
   int caught = 0;
-  for (double t = halts - 0.06; t < halts + 0.2; t += 0.02) {
+  for (double t = halts - 0.06; t < halts + 0.2; t += 0.01) {
     Plant plant;
     plant.pushes = {{t, 0.05, Vec3(1.5, 0, 0)}};
     caught += walk(plant);

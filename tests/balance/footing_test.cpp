@@ -491,6 +491,38 @@ TEST_P(FootingTest, AFootInTheAirGoesBackInclinedAsTheFloorIs) {
   }
 }
 
+TEST_P(FootingTest, AFootInTheAirIsAsHighAndLevelAsPlannedThoughTheTrunkIsNot) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const Side up = random_.coin() ? Side::left : Side::right;
+    MotionSample lifted = held_;
+    lifted.contact[up] = false;
+    lifted.sole[up].p += random_.vector(0.1 * size_);
+    BySide<Wrench> wanted;
+    wanted[other(up)] = load(1.0);
+    // The trunk sags and leans, by what servos give way, and the whole robot is turned and elsewhere.
+    State state = as_planned(lifted, wanted);
+    const Mat3 lean = rotation_z(random_(-0.1, 0.1)) * rotation_exp(random_.horizontal(0.03));
+    const Vec3 sag = random_.vector(0.01 * size_);
+    const Eigen::Quaterniond planned(lifted.q[3], lifted.q[4], lifted.q[5], lifted.q[6]);
+    const Eigen::Quaterniond turned(lean * planned.toRotationMatrix());
+    state.q.segment<4>(3) << turned.w(), turned.x(), turned.y(), turned.z();
+    state.q.head<3>() += sag;
+    Footing footing(robot_);
+    for (int tick = 0; tick < second_; ++tick)
+      footing.follow(lifted, lifted, state, wanted);
+    // Where the leg takes the sole, seen from the trunk that is off.
+    const Footing::Offset& offset = footing.offset()[up];
+    const Vec3 root = lifted.q.head<3>();
+    const Pose sole = displaced(lifted.sole[up], offset);
+    const Vec3 at = state.q.head<3>() + lean * (sole.p - root);
+    const double band = 4e-4 * size_ + 1e-3 * (sole.p - root).norm() + 0.05 * std::abs(lean(2, 2) - 1.0) * size_;
+    EXPECT_NEAR(at.z(), lifted.sole[up].p.z(), band);
+    EXPECT_LT(tilt_of(lean * sole.R), tilt_of(lifted.sole[up].R) + 2e-3);
+    EXPECT_EQ(offset.p.head<2>(), Vec2::Zero()) << "it is placed relative to the trunk, so that it lands below it";
+    EXPECT_EQ(offset.turn.z(), 0.0);
+  }
+}
+
 TEST_P(FootingTest, AFootOnItsWayUpDoesNotClingToWhatItLeaves) {
   for (int trial = 0; trial < 50; ++trial) {
     const Side up = random_.coin() ? Side::left : Side::right;

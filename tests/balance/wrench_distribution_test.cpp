@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "tests/support/narrow_soles.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
@@ -113,6 +114,45 @@ TEST_P(WrenchDistributionTest, AsPlannedItIsTheClosedFormThatWasVerified) {
       EXPECT_EQ(shared[side].force, plain[side].force);
       EXPECT_EQ(shared[side].moment, plain[side].moment);
     }
+  }
+}
+
+TEST(WrenchDistribution, ALongSoleIsTwistedByMoreThanTheDiscThatFitsIntoIt) {
+  // G1's soles are four times as long as wide; refused the twist that its plans need, its pelvis turned by 2° with each
+  // step.
+  const RobotModel robot = test::with_soles(test::robot("mighty"), 0.0495, 0.012);
+  const Profile::Margin& margin = robot.profile().margin;
+  const Posture home = stand(robot, Pose{}, robot.profile().stance.com_height);
+  const MotionSample sample = resting(robot, home);
+  Kinematics kinematics(robot);
+  kinematics.set(sample.q);
+  WrenchDistribution distribution(robot);
+  const BySide<bool> alone{true, false};
+  const double weight = robot.mass() * kGravity;
+  const auto given = [&](double twist, double forward) {  // the ZMP is `forward` of the middle of the left sole
+    const Vec3 zmp = sample.sole.left * Vec3(forward, 0, 0);
+    const Vec3 force(0, 0, weight);
+    const Wrench total{force, zmp.cross(force) + Vec3(0, 0, twist)};
+    const BySide<Wrench> shared =
+        distribution.share(kinematics, sample.sole, alone, total, sample.force.tail(robot.nv() - 6));
+    EXPECT_EQ(shared.right.force, Vec3(Vec3::Zero()));
+    return shared.left.moment_about(zmp).z();
+  };
+  const ConvexPolygon outline = robot.sole(Side::left).inset(0.5 * margin.zmp_feedback);
+  double front = 0.0;
+  for (const Vec2& corner : outline.vertices())
+    front = std::max(front, corner.x());
+  const double line = 0.5 * margin.friction * front * weight;
+  const double disc = 2.0 / 3.0 * margin.friction * (0.012 - 0.5 * margin.zmp_feedback) * weight;
+  ASSERT_GT(line, 2.0 * disc);
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_NEAR(given(sign * 0.98 * line, 0.0), sign * 0.98 * line, 1e-9 * line);
+    EXPECT_LT(sign * given(sign * 1.5 * line, 0.0), 1.05 * line) << "beyond that it would slip";
+    // The nearer the ends, the less: at the very end, no more than the disc.
+    const double near_end = 0.9 * front;
+    const double there = disc + 0.1 * (line - disc);
+    EXPECT_NEAR(given(sign * 0.95 * there, near_end), sign * 0.95 * there, 1e-9 * line);
+    EXPECT_LT(sign * given(sign * line, near_end), 1.2 * there);
   }
 }
 

@@ -453,6 +453,63 @@ TEST_P(GuideTest, TheTrunkShiftsInsideTheStandOnRegionAndStepsOutside) {
   EXPECT_EQ(*first(guide.goals(stepped, push(Part::trunk, 0, 1.0))).swing, Side::right);
 }
 
+TEST_P(GuideTest, FeetOfAHeldStickPassEachOther) {
+  const Guide guide(robot_, flat());
+  const double reach = robot_.profile().reach.trunk;
+  for (const double deflection : {1.0, -1.0}) {
+    const Command command = push(Part::trunk, 0, deflection);
+    GuideContext walk = at_home();
+    Side stepped = walk.last_step;
+    for (int k = 0; k < 6; ++k) {
+      const Goal goal = first(guide.goals(walk, command));
+      ASSERT_EQ(goal.kind, SegmentKind::step);
+      EXPECT_EQ(*goal.swing, other(stepped));
+      stepped = *goal.swing;
+      // Each foot lands as far ahead of the other one, so but for the first step the trunk moves twice the displacement.
+      const double ahead = goal.sole[stepped].p.x() - goal.sole[other(stepped)].p.x();
+      EXPECT_NEAR(ahead, 2.0 * deflection * reach, 1e-9);
+      EXPECT_NEAR(goal.com.x() - walk.from.com.x(), (k == 0 ? 1.0 : 2.0) * deflection * reach, 1e-9);
+      walk.from.sole = goal.sole;
+      walk.from.com = goal.com;
+      walk.last_step = stepped;
+      walk.stick_held = true;
+    }
+  }
+}
+
+TEST_P(GuideTest, AHeldStickMovesTheTrunkFromOneToTwoDisplacementsStraightOn) {
+  const Guide guide(robot_, flat());
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int farther = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    GuideContext walk = context(random_stance(random));
+    Target target{.part = Part::trunk};
+    target.move.head<2>() = robot_.profile().reach.trunk * Vec2(unit(random), unit(random));
+    target.move[5] = 0.05 * unit(random);
+    // What the feet allow is not asked here, so the goal that shifts the trunk is looked at.
+    const auto shift = [&](bool held) -> std::optional<Vec2> {
+      walk.stick_held = held;
+      const GuideResult result = guide.goals(walk, target);
+      if (const auto* goals = std::get_if<std::vector<Goal>>(&result)) {
+        for (const Goal& goal : *goals) {
+          if (goal.kind == SegmentKind::shift) return Vec2((goal.com - walk.from.com).head<2>());
+        }
+      }
+      return std::nullopt;
+    };
+    const std::optional<Vec2> once = shift(false);
+    const std::optional<Vec2> held = shift(true);
+    if (!once || !held) continue;
+    const double ratio = held->norm() / once->norm();
+    EXPECT_GE(ratio, 1.0 - 1e-9);
+    EXPECT_LE(ratio, 2.0 + 1e-9);
+    EXPECT_GT(held->normalized().dot(once->normalized()), 1.0 - 1e-9) << "in the direction of the stick";
+    farther += ratio > 1.1;
+  }
+  EXPECT_GT(farther, 100);
+}
+
 TEST_P(GuideTest, TurningMakesAStepInPlaceDue) {
   const Guide guide(robot_, flat());
   const Goal turn = first(guide.goals(at_home(), push(Part::trunk, 5, 1.0)));

@@ -61,7 +61,7 @@ TEST(Episode, EndsWhenARobotDoesNotBeginToRetrace) {
   Profile profile = test::robot("mighty").profile();
   profile.drive = Drive::stiff;
   for (auto& [name, gains] : profile.gains)
-    gains.kp *= 50.0;
+    gains.kp *= 80.0;
   const RobotModel robot(std::move(profile));
   const World flat = World::load("flat");
   const std::atomic<bool> stop{false};
