@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace baton {
 namespace {
@@ -161,16 +162,21 @@ Command RoomOperator::steer(double t) {
 
 Command RoomOperator::tap(const Seen& seen, double t) {
   const Page& page = seen.page;
-  if (deflection_.pending && t - deflection_.since >= parameters_.tap) stick_.axes.setZero();  // a lifted foot stays up
+  if (deflection_.pending && t - deflection_.since >= parameters_.tap) {
+    stick_.axes.setZero();  // a lifted foot stays up
+    stick_.recall = Recall::none;
+  }
   if (page.t < deflection_.since + kAnswered || page.activity != Activity::rest) return stick_;
   if (stage_ == Stage::reach && (deflection_.refusals > 0 || deflection_.limited)) {  // retry from elsewhere
     ++approach_;
     stage_ = Stage::cross;
     deflection_.refusals = 0;
+    goes_home_ = approach_ % kFromTarget.size() == 0;
   }
   const bool places_feet = stage_ == Stage::steps && !feet_.lifted.left && !feet_.lifted.right;
   if (places_feet && std::max(means_.sole.left.doubt(), means_.sole.right.doubt()) > kFootDoubt) return stick_;
   std::optional<Command> command = next(steady());
+  if (std::exchange(goes_home_, false)) command = Command{.recall = Recall::home};
   while (!command && stage_ != Stage::reach) {
     stage_ = static_cast<Stage>(static_cast<int>(stage_) + 1);
     deflection_.refusals = 0;
@@ -182,7 +188,7 @@ Command RoomOperator::tap(const Seen& seen, double t) {
   deflection_.since = t;
   deflection_.refused = page.refusals;
   deflection_.shift = asked(stick_, steady());
-  deflection_.turned = stick_.axes[5] != 0.0;
+  deflection_.turned = stick_.axes[5] != 0.0 || stick_.recall == Recall::home;
   deflection_.moved = deflection_.limited = false;
   return stick_;
 }
