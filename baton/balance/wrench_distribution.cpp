@@ -30,17 +30,18 @@ WrenchDistribution::ConeRows limits_of(const ConvexPolygon& outline, double fric
     limits.row(i) << 0.0, 0.0, -inward.dot(from), inward.y(), -inward.x(), 0.0;
     radius = std::min(radius, -inward.dot(from));
   }
-  const double pyramid = friction / std::sqrt(2.0);    // inscribed in the cone
+  const double pyramid = friction / std::sqrt(2.0);  // inscribed in the cone
   // Twist of the largest inscribed disc, evenly loaded; of a long sole, more, by a line from heel to toe that is evenly
   // loaded. The nearer the centre of pressure is to its ends, the less is added.
   const double twist = 2.0 / 3.0 * radius * friction;
   const double more = std::max(0.0, 0.5 * friction * std::min(-length.lo, length.hi) - twist);
+  const auto towards = [more](double end) { return more > 0.0 ? more / end : 0.0; };
   for (Eigen::Index sign = 0; sign < 2; ++sign) {
     const double s = sign == 0 ? 1.0 : -1.0;
     limits.row(n + sign) << s * lever, 0.0, pyramid * lever, 0.0, 0.0, 0.0;
     limits.row(n + 2 + sign) << 0.0, s * lever, pyramid * lever, 0.0, 0.0, 0.0;
-    limits.row(n + 4 + sign) << 0.0, 0.0, twist + more, 0.0, more / length.hi, s;
-    limits.row(n + 6 + sign) << 0.0, 0.0, twist + more, 0.0, more / length.lo, s;
+    limits.row(n + 4 + sign) << 0.0, 0.0, twist + more, 0.0, towards(length.hi), s;
+    limits.row(n + 6 + sign) << 0.0, 0.0, twist + more, 0.0, towards(length.lo), s;
   }
   return limits;
 }

@@ -122,8 +122,8 @@ class Guide {
   [[nodiscard]] GuideResult guide_foot(const GuideContext& context, const Target& target) const;
   [[nodiscard]] GuideResult guide_trunk(const GuideContext& context, const Target& target) const;
   [[nodiscard]] GuideResult guide_hand(const GuideContext& context, const Target& target) const;
-  /// The displacement of a trunk, in the heading frame [m]. While the stick is held it counts from above the foot ahead,
-  /// not from between the feet, so that the feet pass each other in turn; but it is at most doubled.
+  /// The displacement of a trunk, in the heading frame [m]. While the stick is held it counts from above the foot
+  /// ahead, not from between the feet, so that the feet pass each other in turn; but it is at most doubled.
   [[nodiscard]] Vec3 walking_on(const GuideContext& context, Vec3 move) const;
   /// Goals towards the initial stance, at the feet's current place: steps first, then COM, trunk and arms.
   [[nodiscard]] GuideResult go_home(const GuideContext& context) const;

@@ -438,14 +438,16 @@ void fill_from(const Size& size, Filler& fill) {
   fill("phases.step", toml::array{0.25, 0.40, 0.35}, "fixed");
   fill("phases.lift", toml::array{0.5, 0.5}, "fixed");
   fill("phases.lower", toml::array{0.5, 0.5}, "fixed");
-  if (w < kNarrowSole * h) {  // with less room for the ZMP the transfer of the weight takes longer
+  const bool narrow = w < kNarrowSole * h;
+  if (narrow) {  // with less room for the ZMP the transfer of the weight takes longer
     fill("phases.flow", toml::array{0.20, 0.42, 0.38}, fmt::format("w < {} h", kNarrowSole));
   } else {
     fill("phases.flow", toml::array{0.15, 0.45, 0.40}, fmt::format("w ≥ {} h", kNarrowSole));
   }
   fill("phases.weights", toml::array{1.0, 3.0, 3.0, 1.0}, "fixed");
   fill.length("margin.zmp_plan", 12.0 / 36.0, w, "w");
-  fill.length("margin.zmp_outward", 0.012 / 0.26, h, "h");
+  // Soles that are narrow tip outward sooner, and what tips them is a matter of angles, so of the height.
+  fill.length("margin.zmp_outward", narrow ? 0.055 : 0.012 / 0.26, h, "h");
   fill.length("margin.zmp_verify", 3.0 / 36.0, w, "w");
   fill.length("margin.zmp_feedback", 4.0 / 36.0, w, "w");
   fill.length("margin.stand_on", 25.0 / 36.0, w, "w");

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDisturbed = 0.02;     ///< error of the DCM from which nothing new is begun [COM height]
 constexpr double kNarrow = 0.35;        ///< the same, if that is less [half-width of a sole]
-constexpr double kRecovered = 0.5;      ///< share of it below which the robot is no longer disturbed
+constexpr double kRecovered = 0.01;     ///< error below which the robot is no longer disturbed [COM height]
 constexpr double kSteady = 12.0;        ///< low-pass of the DCM error's steady part [1/ω]
 constexpr double kMostSteady = 0.06;    ///< bound of the steady part [COM height]
 constexpr double kSinks = 4e-3;         ///< difference of heights that is how soles sink [COM height]
@@ -119,7 +119,7 @@ void Watch::update_disturbed(const MotionSample& planned, const Pose& anchor) {
   const Vec2 rest = heading * Vec2(off - steady_dcm_error_);
   dcm_error_ = (anchor.R * Vec3(rest.x(), rest.y(), 0)).head<2>();
   const double most = std::min(kDisturbed * height, kNarrow * robot_->sole_half_width());
-  disturbed_ = dcm_error_.norm() > (disturbed_ ? kRecovered : 1.0) * most;
+  disturbed_ = dcm_error_.norm() > (disturbed_ ? std::min(most, kRecovered * height) : most);
 }
 
 void Watch::update_slip(const MotionSample& planned, const Pose& anchor) {

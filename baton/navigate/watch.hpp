@@ -62,8 +62,7 @@ class Watch {
   [[nodiscard]] const SensorCheck& sensors() const { return sensors_; }
   /// How hot the motors are.
   [[nodiscard]] const Thermometer& thermometer() const { return thermometer_; }
-  /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis from 0.02 to 0.01 of
-  /// the nominal COM height.
+  /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis.
   [[nodiscard]] bool disturbed() const { return disturbed_ || sensors_.lost(); }
   /// Estimated − planned DCM, in world axes, less its steady part, which sensor offsets and slopes cause [m]. The plan
   /// is first displaced by the slip of the soles.

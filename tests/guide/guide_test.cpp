@@ -465,7 +465,8 @@ TEST_P(GuideTest, FeetOfAHeldStickPassEachOther) {
       ASSERT_EQ(goal.kind, SegmentKind::step);
       EXPECT_EQ(*goal.swing, other(stepped));
       stepped = *goal.swing;
-      // Each foot lands as far ahead of the other one, so but for the first step the trunk moves twice the displacement.
+      // Each foot lands as far ahead of the other one, so but for the first step the trunk moves twice the
+      // displacement.
       const double ahead = goal.sole[stepped].p.x() - goal.sole[other(stepped)].p.x();
       EXPECT_NEAR(ahead, 2.0 * deflection * reach, 1e-9);
       EXPECT_NEAR(goal.com.x() - walk.from.com.x(), (k == 0 ? 1.0 : 2.0) * deflection * reach, 1e-9);
