@@ -38,7 +38,8 @@ class Footing {
   /// @param carries gain by the load, 0…1
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
 
-  /// The offset that keeps a sole in the air at its planned height and inclination, although the trunk is off its plan.
+  /// The offset by which a sole in the air is as high as planned, and inclined as planned relative to the floor,
+  /// although the trunk that carries it is off its plan. To the side and ahead the sole moves with the trunk.
   [[nodiscard]] Offset levelled(Side side, const MotionSample& now, const State& state) const;
 
   /// Moves the soles apart or together, to relax internal forces between the legs.

@@ -62,7 +62,8 @@ class Watch {
   [[nodiscard]] const SensorCheck& sensors() const { return sensors_; }
   /// How hot the motors are.
   [[nodiscard]] const Thermometer& thermometer() const { return thermometer_; }
-  /// Whether no motion is begun: a sensor is lost, or the DCM error is too large, with hysteresis.
+  /// Whether no motion is begun: a sensor is lost, or the DCM error was above 0.02 of the nominal COM height, or a
+  /// share of a narrow sole, and has not been below 0.01 since.
   [[nodiscard]] bool disturbed() const { return disturbed_ || sensors_.lost(); }
   /// Estimated − planned DCM, in world axes, less its steady part, which sensor offsets and slopes cause [m]. The plan
   /// is first displaced by the slip of the soles.

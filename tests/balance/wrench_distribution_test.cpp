@@ -1,10 +1,12 @@
 #include "baton/balance/wrench_distribution.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <random>
+#include <regex>
 
-#include "tests/support/narrow_soles.hpp"
+#include "tests/support/changed_model.hpp"
 #include "tests/verify/sample_motions.hpp"
 
 namespace baton {
@@ -120,7 +122,12 @@ TEST_P(WrenchDistributionTest, AsPlannedItIsTheClosedFormThatWasVerified) {
 TEST(WrenchDistribution, ALongSoleIsTwistedByMoreThanTheDiscThatFitsIntoIt) {
   // G1's soles are four times as long as wide; refused the twist that its plans need, its pelvis turned by 2° with each
   // step.
-  const RobotModel robot = test::with_soles(test::robot("mighty"), 0.0495, 0.012);
+  const double half_width = 0.012;  // a third of mighty's
+  const RobotModel robot =
+      test::with_changed_model(test::robot("mighty"), "narrow_soles", [&](const std::string& model) {
+        const std::regex sole(R"re((name="\S+_sole_col" class="sole" type="box" pos="[^"]*" size="\S+) \S+ )re");
+        return std::regex_replace(model, sole, fmt::format("$1 {} ", half_width));
+      });
   const Profile::Margin& margin = robot.profile().margin;
   const Posture home = stand(robot, Pose{}, robot.profile().stance.com_height);
   const MotionSample sample = resting(robot, home);
@@ -143,7 +150,7 @@ TEST(WrenchDistribution, ALongSoleIsTwistedByMoreThanTheDiscThatFitsIntoIt) {
   for (const Vec2& corner : outline.vertices())
     front = std::max(front, corner.x());
   const double line = 0.5 * margin.friction * front * weight;
-  const double disc = 2.0 / 3.0 * margin.friction * (0.012 - 0.5 * margin.zmp_feedback) * weight;
+  const double disc = 2.0 / 3.0 * margin.friction * (half_width - 0.5 * margin.zmp_feedback) * weight;
   ASSERT_GT(line, 2.0 * disc);
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_NEAR(given(sign * 0.98 * line, 0.0), sign * 0.98 * line, 1e-9 * line);

@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <regex>
-#include <sstream>
 #include <utility>
 
 #include "baton/guide/guide.hpp"
 #include "baton/motion/motion.hpp"
-#include "tests/support/robots.hpp"
-#include "tests/support/temp.hpp"
+#include "tests/support/changed_model.hpp"
 
 namespace baton::test {
 
@@ -23,23 +20,20 @@ inline const RobotModel& symmetric_robot(const std::string& name) {
   static std::map<std::string, std::unique_ptr<RobotModel>> made;
   auto& robot = made[name];
   if (robot) return *robot;
-  Profile profile = test::robot(name).profile();
-  std::ostringstream text;
-  text << std::ifstream(profile.model).rdbuf();
-  std::string model = text.str();
-  const std::size_t trunk = model.find("<body name=\"" + profile.parts.trunk + "\"");
-  EXPECT_NE(trunk, std::string::npos);
-  // pos="x y z" mass="m" fullinertia="xx yy zz xy xz yz": y, xy and yz to 0
-  const std::regex inertial(
-      R"re(<inertial pos="(\S+) \S+ (\S+)" mass="(\S+)" fullinertia="(\S+ \S+ \S+) \S+ (\S+) \S+")re");
-  std::smatch found;
-  const std::string rest = model.substr(trunk);
-  EXPECT_TRUE(std::regex_search(rest, found, inertial));
-  model.replace(trunk + static_cast<std::size_t>(found.position()), static_cast<std::size_t>(found.length()),
-                found.format(R"re(<inertial pos="$1 0 $2" mass="$3" fullinertia="$4 0 $5 0")re"));
-  profile.model = temp_folder() + name + "_symmetric.xml";
-  std::ofstream(profile.model) << model;
-  robot = std::make_unique<RobotModel>(std::move(profile));
+  const RobotModel& as_measured = test::robot(name);
+  robot = std::make_unique<RobotModel>(with_changed_model(as_measured, name + "_symmetric", [&](std::string model) {
+    const std::size_t trunk = model.find("<body name=\"" + as_measured.profile().parts.trunk + "\"");
+    EXPECT_NE(trunk, std::string::npos);
+    // pos="x y z" mass="m" fullinertia="xx yy zz xy xz yz": y, xy and yz to 0
+    const std::regex inertial(
+        R"re(<inertial pos="(\S+) \S+ (\S+)" mass="(\S+)" fullinertia="(\S+ \S+ \S+) \S+ (\S+) \S+")re");
+    std::smatch found;
+    const std::string rest = model.substr(trunk);
+    EXPECT_TRUE(std::regex_search(rest, found, inertial));
+    model.replace(trunk + static_cast<std::size_t>(found.position()), static_cast<std::size_t>(found.length()),
+                  found.format(R"re(<inertial pos="$1 0 $2" mass="$3" fullinertia="$4 0 $5 0")re"));
+    return model;
+  }));
   return *robot;
 }
 
