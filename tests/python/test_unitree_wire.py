@@ -100,6 +100,13 @@ class Wire:
                 motors = [struct.unpack_from("<B3x5f", data, 4 + 28 * i) for i in range(35)]
                 yield data[0], data[1], motors
 
+    def await_motors(self, as_wanted, limit=10.0):
+        """Waits until the newest command's motors are as wanted."""
+        until = time.monotonic() + limit
+        while not (self.commands and as_wanted(list(self.heard(self.commands[-1][0] - PERIOD))[-1][2])):
+            assert time.monotonic() < until, "the commands do not become what they should"
+            time.sleep(PERIOD)
+
     def kill(self):
         self.running = False
         self.threads[1].join()
@@ -153,6 +160,10 @@ def braking(motors):
     return all(kp == tau == dq == 0.0 and mode == 1 and kd > 0 for mode, _, dq, tau, kp, kd in motors[:29])
 
 
+def holding(motors):
+    return not braking(motors)
+
+
 @pytest.fixture
 def served(network):
     with started(Wire, network) as robot, started(Bridge, network) as bridge:
@@ -199,13 +210,11 @@ def test_the_remote_damps_whoever_drives_until_somebody_arms(served, buttons):
     bridge.await_log("armed")
     bridge.type("s")
     bridge.await_log("takes its stance")
-    time.sleep(0.1)
-    assert not braking(list(robot.heard())[-1][2])
+    robot.await_motors(holding)
     damp = network.run(BATON, "damp", bridge.address)
     assert damp.returncode == 0
     bridge.await_log("damped: asked for over the network")
-    time.sleep(0.1)
-    assert braking(list(robot.heard())[-1][2])
+    robot.await_motors(braking)
 
 
 def test_who_only_observes_says_nothing_and_leaves_the_factory_gait(network, tmp_path):
@@ -355,10 +364,10 @@ def test_it_ends_with_the_motors_braking(served, how):
     _, robot, bridge = served
     bridge.type("s")
     bridge.await_log("takes its stance")
-    time.sleep(0.2)
-    assert not braking(list(robot.heard())[-1][2])
+    robot.await_motors(holding)
     asked = time.monotonic()
     assert bridge.end(how) == 0
-    time.sleep(0.1)
-    last = list(robot.heard(asked))
-    assert len(last) > 100 and all(braking(motors) for *_, motors in last[10:])
+    robot.await_motors(braking)
+    last = [braking(motors) for *_, motors in robot.heard(asked)]
+    last = last[last.index(True) :]  # how soon it is told to end is the computer's matter
+    assert len(last) > 100 and all(last), "once it brakes, it brakes to the end"
