@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "baton/math/quintic.hpp"
+
 namespace baton {
 namespace {
 
@@ -15,7 +17,9 @@ constexpr double kSettling = 3.0;      ///< longest wait for the COM offset, aft
 constexpr double kSettled = 0.22;      ///< distance of the ZMP from its average, if settled [half-width of a sole]
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
 constexpr double kOffsetBand = 0.072;  ///< dead band of the COM offset [half-width of a sole]
-constexpr double kLeastLoad = 0.5;     ///< least load on the soles for comparing ZMPs, share of the weight
+constexpr double kNear = 0.03;         ///< distance of a joint from the plan at a start that is no jump [rad]
+constexpr double kApproach = 0.3;   ///< speed at which a joint that is farther off comes to the plan, at most [rad/s]
+constexpr double kLeastLoad = 0.5;  ///< least load on the soles for comparing ZMPs, share of the weight
 
 /// Moments by the trunk's errors of attitude and rate [weight × COM height per rad, per ω].
 struct TrunkGains {
@@ -40,7 +44,7 @@ Stabiliser::Stabiliser(const RobotModel& robot)
       waist_(has_waist(robot)),
       averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  commanded_ = servo_error_ = integral_torque_ = unloaded_ = zero;
+  commanded_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
   for (int j = 0; j < robot.nv() - 6; ++j) {
     const auto moves = [&](Side side) { return std::ranges::count(robot.dofs_to(robot.foot_body(side)), 6 + j) > 0; };
@@ -55,7 +59,8 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
   const bool begins = std::exchange(first_, false);
   if (!begins && stands >= 1.0) {
-    footing_.follow(now, next, state, wanted_);
+    // While joints are led to the plan, where the soles are says nothing of the ground.
+    if (apart_.isZero(0.0)) footing_.follow(now, next, state, wanted_);
     update_joints(now, state);
     compare_zmp(now, state);
   }
@@ -98,8 +103,25 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   target_.ddq = next.ddq.tail(n);
   target_.contact = next.contact;
   footing_.apply(kinematics_, next.q, commanded_);
+  if (begins && stands >= 1.0) {  // who hangs has been led to its stance
+    apart_ = state.q.tail(n) - commanded_;
+    apart_ = (apart_.array().abs() > kNear).select(apart_, 0.0);
+    approaching_ = 0.0;
+  }
+  approach_plan();
   target_.q_correction = commanded_ - target_.q;
   return target_;
+}
+
+void Stabiliser::approach_plan() {
+  const double farthest = apart_.lpNorm<Eigen::Infinity>();
+  if (farthest == 0.0) return;
+  const double duration = 1.875 * farthest / kApproach;  // the blend's peak rate is 1.875 of the mean
+  const Jet blend = smooth_step(approaching_, duration);
+  commanded_ += (1.0 - blend.x) * apart_;
+  target_.dq -= blend.dx * apart_;
+  if (approaching_ >= duration) apart_.setZero();
+  approaching_ += robot_->profile().tick.period;
 }
 
 void Stabiliser::carry_upper_body(const Vec3& force, const Vec3& moment) {
@@ -161,6 +183,7 @@ void Stabiliser::reset() {
   integral_torque_.setZero();
   friction_ = JointFriction(*robot_);
   first_ = true;
+  apart_.setZero();
   steady_zmp_.setZero();
   averaged_ = kOffsetFirst;
 }

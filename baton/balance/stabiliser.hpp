@@ -59,6 +59,8 @@ class Stabiliser {
   [[nodiscard]] double spare_torque(int joint) const;
   /// Torque of integral action and friction, at most the spare torque [N·m].
   [[nodiscard]] double learned_torque(int joint, double planned_speed) const;
+  /// Leads the commanded joint angles from where the joints are at a start to where the plan has them, smoothly.
+  void approach_plan();
 
   const RobotModel* robot_;
   Kinematics kinematics_;
@@ -67,8 +69,10 @@ class Stabiliser {
   VecX commanded_;                 ///< latest commanded joint angles, including footing (n) [rad]
   Mat3 trunk_ = Mat3::Identity();  ///< its planned attitude at the time of the measurement
   VecX unloaded_;                  ///< joint torques without contact (n) [N·m]
-  VecX servo_error_;               ///< commanded − measured joint angles (n) [rad]
-  VecX integral_torque_;           ///< torque of the integral action (n) [N·m]
+  VecX apart_;                ///< where the joints were at the start, less the plan, as far as that is a jump (n) [rad]
+  double approaching_ = 0.0;  ///< time since the start, while they are led to the plan [s]
+  VecX servo_error_;          ///< commanded − measured joint angles (n) [rad]
+  VecX integral_torque_;      ///< torque of the integral action (n) [N·m]
   JointFriction friction_;
   std::vector<int> upper_;  ///< joints that move neither foot
   bool waist_;              ///< whether joints lie between the root and the trunk

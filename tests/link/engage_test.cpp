@@ -5,6 +5,7 @@
 #include <random>
 
 #include "baton/ik/stand.hpp"
+#include "baton/link/target_check.hpp"
 #include "baton/model/error.hpp"
 #include "baton/run/simulation.hpp"
 #include "tests/support/robots.hpp"
@@ -89,6 +90,51 @@ TEST_P(EngageTest, FromAnyPostureItIsDrivenToItsStanceWithoutAJump) {
     EXPECT_TRUE(in_stance(robot_, simulation.truth().q.tail(n_))) << run;
   }
   EXPECT_GT(elsewhere, 3);
+}
+
+// Near the stance the plan begins in the stance itself: the joints come to it, they do not jump.
+TEST_P(EngageTest, NearItsStanceNoJointJumpsEither) {
+  const World world = World::load("flat");
+  const VecX stance = stand(robot_, Pose{}, height_).q.tail(n_);
+  for (const double direction : {-1.0, 1.0}) {
+    Posture there = stand(robot_, world.site("start"), height_);
+    for (int k = 1; k < 20; ++k) {  // as far off as is near
+      const Posture farther = stand(robot_, world.site("start"), height_ * (1.0 + 0.001 * direction * k));
+      if (!in_stance(robot_, farther.q.tail(n_))) break;
+      there = farther;
+    }
+    const double off = (there.q.tail(n_) - stance).cwiseAbs().maxCoeff();
+    ASSERT_GT(off, 0.05);
+    const double period = robot_.profile().tick.period;
+    Simulation::Parameters parameters;
+    parameters.start = engage(robot_, world.site("start"), there.q.tail(n_));
+    ASSERT_LT((parameters.start->q.tail(n_) - stance).norm(), 1e-9);
+    Simulation simulation(robot_, world, std::make_unique<SimulatedRobot>(robot_, world, there, period), parameters);
+    Session& session = simulation.session();
+    TargetCheck check(robot_);
+    VecX before = there.q.tail(n_);
+    check.begin(before);
+    double step = 0.0;
+    double fastest = 0.0;
+    std::string rejected;
+    Hooks hooks;
+    hooks.tick = [&](const TickRecord& record) {
+      const VecX now = commanded(record.target);
+      const Target sent{0, now, record.target.dq, record.target.tau};
+      rejected = check.reject(sent, record.measurement.q).value_or(rejected);
+      step = std::max(step, (now - before).cwiseAbs().maxCoeff());
+      before = now;
+      fastest = std::max(fastest, record.truth->dq.tail(n_).cwiseAbs().maxCoeff());
+    };
+    session.add(hooks);
+    while (session.t() < 2.0 && !session.fallen())
+      session.step(Command{});
+    EXPECT_FALSE(session.fallen()) << simulation.truth().fall;
+    EXPECT_EQ(rejected, "") << off;
+    EXPECT_LT(step, 0.02) << off;
+    EXPECT_LT(fastest, 0.5) << off;
+    EXPECT_LT((simulation.truth().q.tail(n_) - stance).cwiseAbs().maxCoeff(), 0.03);
+  }
 }
 
 TEST_P(EngageTest, ARobotThatDoesNotStandIsNotDriven) {
