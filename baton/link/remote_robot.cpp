@@ -55,7 +55,10 @@ void check_robot(const RobotModel& model, const std::string& world, const Welcom
 }
 
 RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, const Parameters& parameters)
-    : model_(&model), parameters_(parameters), socket_(Socket::connect(parameters.address, parameters.connecting)) {
+    : model_(&model),
+      parameters_(parameters),
+      socket_(Socket::connect(parameters.address, parameters.connecting)),
+      follow_(model) {
   try {
     greet(parameters.token, world);
     await_reading(parameters.connecting);
@@ -134,6 +137,7 @@ void RemoteRobot::write(const JointTarget& target) {
   try {
     send(Type::target, encode(sent));
     await_reading(parameters_.answering);
+    follow_.take(sent.q, reading_.measurement.q);
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
   }
@@ -276,6 +280,7 @@ std::string RemoteRobot::follows_no_longer() const {
   if (damped()) return fmt::format("{}: the robot was damped: {}", address, damped_because_);
   if (not_followed_for() > kNotFollowing)
     return fmt::format("{}: the robot follows no longer: {}", address, rejection_);
+  if (!follow_.why().empty()) return fmt::format("{}: the robot does not follow: {}", address, follow_.why());
   return "";
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "baton/link/follow_check.hpp"
 #include "baton/link/message.hpp"
 #include "baton/model/robot_model.hpp"
 
@@ -91,7 +92,8 @@ class RemoteRobot : public Robot {
   /// Targets that the robot has rejected, and why the last one was.
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }
-  /// Why it follows no longer: it was damped, or has rejected all targets of some time; "": it follows.
+  /// Why it follows no longer: it was damped, has rejected all targets of some time, or its joints do not go where
+  /// they are told to go; "": it follows.
   [[nodiscard]] std::string follows_no_longer() const;
 
  private:
@@ -138,6 +140,7 @@ class RemoteRobot : public Robot {
   bool rejected_now_ = false;  ///< since the last measurement
   std::chrono::steady_clock::time_point rejecting_since_;
   std::string rejection_, damped_because_;
+  FollowCheck follow_;
 };
 
 /// Damps the robot at that address, whoever drives it.

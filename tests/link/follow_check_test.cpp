@@ -1,0 +1,134 @@
+#include "baton/link/follow_check.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include "baton/ik/stand.hpp"
+#include "baton/link/remote_robot.hpp"
+#include "baton/link/robot_server.hpp"
+#include "baton/proving/scenario.hpp"
+#include "baton/proving/stick.hpp"
+#include "baton/run/simulation.hpp"
+#include "tests/support/robots.hpp"
+#include "tests/support/served.hpp"
+
+namespace baton::link {
+namespace {
+
+using testing::HasSubstr;
+
+class FollowCheckTest : public testing::TestWithParam<std::string> {
+ protected:
+  const RobotModel& robot_ = test::robot(GetParam());
+  const Eigen::Index n_ = robot_.nv() - 6;
+  const double period_ = robot_.profile().tick.period;
+  const World world_ = World::load("flat");
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, FollowCheckTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+
+// Pushed about, and with twice the share that is asked for: nothing that a driven robot does looks like that.
+TEST_P(FollowCheckTest, ARobotThatIsDrivenIsNeverTakenForOneThatDoesNotFollow) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    Simulation::Parameters parameters;
+    parameters.physics.plant = real_plant(robot_, seed);
+    Simulation simulation(robot_, world_, Simulation::On::sim, parameters);
+    Session& session = simulation.session();
+    FollowCheck check(robot_, {.share = 0.2});
+    VecX before;
+    std::string why;
+    int moved = 0;
+    Hooks hooks;
+    hooks.tick = [&](const TickRecord& record) {
+      if (before.size() > 0) check.take(before, record.measurement.q);
+      if (why.empty() && !check.why().empty()) why = fmt::format("{:.3f} s: {}", record.t, check.why());
+      before = commanded(record.target);
+      moved += record.target.dq.norm() > 1.0 ? 1 : 0;
+    };
+    session.add(hooks);
+    const std::unique_ptr<Device> stick = stick_of(scenario_named("real"), robot_, seed);
+    for (long tick = 0; session.t() < 15.0 && !session.fallen(); ++tick) {
+      const double angle = static_cast<double>(tick);
+      if (tick % 600 == 300)
+        simulation.simulated()->push(0.25 * robot_.mass() * Vec3(std::cos(angle), std::sin(angle), 0.0));
+      session.step(stick->read(session.t()));
+    }
+    EXPECT_EQ(why, "") << seed;
+    EXPECT_GT(moved, 100);
+  }
+}
+
+/// A robot whose emergency stop is pressed at some time: its joints stay where they are then, and their encoders go on.
+class Stopped : public Robot {
+ public:
+  Stopped(const RobotModel& model, const World& world, double at, std::uint64_t seed)
+      : robot_(model, world, stand(model, world.site("start"), model.profile().stance.com_height),
+               model.profile().tick.period),
+        at_(at),
+        random_(seed) {}
+
+  Measurement read() override {
+    Measurement measured = robot_.read();
+    if (measured.t < at_) {
+      q_ = measured.q;
+      return measured;
+    }
+    std::normal_distribution<double> noise(0.0, 3e-4);
+    measured.q = q_.unaryExpr([&](double q) { return q + noise(random_); });
+    measured.dq = q_.unaryExpr([&](double) { return 10.0 * noise(random_); });
+    return measured;
+  }
+  void write(const JointTarget& target) override { robot_.write(target); }
+  void reset() override { robot_.reset(); }
+  const Truth* truth() const override { return robot_.truth(); }
+
+ private:
+  SimulatedRobot robot_;
+  double at_;
+  std::mt19937_64 random_;
+  VecX q_;
+};
+
+TEST_P(FollowCheckTest, AnEmergencyStopAtTheRobotIsNoticedWithinATenthOfASecondOfMoving) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const double at = 2.0 + 0.23 * static_cast<double>(seed);
+    Stopped stopped(robot_, world_, at, seed);
+    RobotServer server(robot_, stopped, {.listen = {"127.0.0.1", 0}, .world = "flat"});
+    const Address address = server.address();
+    std::atomic<bool> stop{false};
+    std::thread thread([&] {
+      while (!stop)
+        server.serve(Socket::Time(1));
+    });
+    {
+      auto connected = std::make_unique<RemoteRobot>(robot_, "flat", RemoteRobot::Parameters{address, ""});
+      RemoteRobot* const remote = connected.get();
+      Simulation simulation(robot_, world_, std::move(connected), Simulation::Parameters{});
+      Session& session = simulation.session();
+      double moves = 0.0;  // time for which it has been told to move since then
+      Hooks hooks;
+      hooks.tick = [&](const TickRecord& record) {
+        if (record.t > at && record.target.dq.norm() > 0.6) moves += period_;
+      };
+      session.add(hooks);
+      Command ahead;
+      ahead.axes[0] = 1.0;
+      while (session.t() < at + 3.0 && remote->follows_no_longer().empty())
+        session.step(ahead);
+      EXPECT_THAT(remote->follows_no_longer(), HasSubstr("the robot does not follow: "));
+      EXPECT_THAT(remote->follows_no_longer(), HasSubstr(" was told to go by "));
+      EXPECT_GT(session.t(), at);
+      EXPECT_LE(moves, 0.1 + 2 * period_) << at;
+    }
+    stop = true;
+    thread.join();
+  }
+}
+
+}  // namespace
+}  // namespace baton::link
