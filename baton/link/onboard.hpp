@@ -27,8 +27,10 @@ class Onboard : private Sink {
   /// @throws InputError the robot does not stand on both soles
   Onboard(const RobotModel& model, const World& world, Robot& robot, Parameters parameters);
 
-  /// The stick's newest position. It knows of no tick that has not been.
-  void hear(const StickPosition& stick) { stick_ = stick; }
+  /// The stick's position, if it is not older than the last one. It knows of no tick that has not been.
+  void hear(const StickPosition& stick) {
+    if (!stick_ || stick.seen >= stick_->seen) stick_ = stick;
+  }
   /// Drives the arms, from the next tick on. A stick that is too old lets go of them.
   /// @throws InputError the targets are none of this robot, or the stick is too old
   void drive_arms(const ArmTargets& targets);

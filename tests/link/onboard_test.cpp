@@ -182,6 +182,21 @@ TEST_P(OnboardTest, AStickCountsForHalfASecondAndAgainWhenItIsFresh) {
   served->at_the_robot([](RobotServer& server) { EXPECT_FALSE(server.onboard()->session().resting()); });
 }
 
+TEST_P(OnboardTest, ACommandThatWasOvertakenIsIgnored) {
+  const auto served = in_real_time(1);
+  Raw raw(served->address());
+  start(raw);
+  Command ahead;
+  ahead.axes[0] = 1.0;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    served->pass(1);
+    const Tick seen = tick(raw.answer());
+    EXPECT_EQ(seen.command, Command{}) << k;
+    raw.send(Type::command, encode(StickPosition{k + 1, {}}));
+    raw.send(Type::command, encode(StickPosition{k, ahead}));
+  }
+}
+
 TEST_P(OnboardTest, WhatIsOutOfPlaceEndsTheConnectionAndNotTheMotion) {
   const VecX zero = VecX::Zero(n_);
   const std::vector<std::pair<std::string, std::string>> cases{
