@@ -144,9 +144,12 @@ int drive(const DriveOptions& o) {
     std::fflush(stdout);
   }
 
+  const auto damp_if_asked = [&] {
+    if (view && remote && view->damp_asked()) remote->damp("by the page");
+  };
   if (remote) {
     remote->begin(parameters.calibration, [&] {
-      if (view && view->damp_asked()) remote->damp("by the page");
+      damp_if_asked();
       return !interrupted;
     });
   }
@@ -163,6 +166,7 @@ int drive(const DriveOptions& o) {
     return true;
   };
   const auto stick = [&] {
+    damp_if_asked();  // here, too, as a stick is looked at while the robot's answer is waited for
     if (stopping) return Command{};
     return engaging() ? kHome : inputs.decide(session.view());
   };
@@ -188,7 +192,7 @@ int drive(const DriveOptions& o) {
       drive_arms(*targets);
     }
     if (!step(stick)) break;
-    if (view && view->damp_asked() && remote) remote->damp("by the page");
+    damp_if_asked();
     refusals.look(session.navigator());
     log_arms(session.navigator(), session.t());
     if (view) view->show(simulation, inputs.status(), refusals);
