@@ -89,13 +89,16 @@ class Summary {
     last_tick_ = message.sequence;
   }
 
+  static std::string event_in(const nlohmann::json& json) {
+    if (!json.is_object()) return "event";
+    const auto named = json.find("event");
+    return named != json.end() && named->is_string() ? named->get<std::string>() : "event";
+  }
+
   /// Counts an event; shows those that are not of every step.
   void add_event(Topic topic, const mcap::Message& message) {
     const nlohmann::json json = parse_json(message.data, reader_->place());
-    const std::string name = topic == Topic::pushes  ? "push"
-                             : topic == Topic::falls ? "fall"
-                             : json.is_object()      ? json.value("event", "event")
-                                                     : "event";
+    const std::string name = topic == Topic::pushes ? "push" : topic == Topic::falls ? "fall" : event_in(json);
     ++events_[name];
     if (name == "committed" || name == "ended") return;
     std::string details;
