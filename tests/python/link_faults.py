@@ -1,6 +1,7 @@
 """Drives simulated robots in real time over a connection with faults: real processes, with a proxy in between that delays,
-stalls, cuts and garbles what passes; drivers that are killed, stopped or whose disk is full. Nothing of it may make a
-robot fall or a program hang, and each recording opens. A function of the seed but for what the computer's speed does.
+stalls, cuts and garbles what passes; drivers that are killed, stopped, or whose disk is full at once or after a while.
+Nothing of it may make a robot fall or a program hang, each recording opens, and each fault is named by one of the ends. A
+function of the seed but for what the computer's speed does.
 
     python tests/python/link_faults.py --runs 50 --seed 1
 """
@@ -10,6 +11,7 @@ import dataclasses
 import json
 import pathlib
 import random
+import resource
 import signal
 import socket
 import subprocess
@@ -20,8 +22,10 @@ import time
 
 from robots_end import BATON, RobotsEnd
 
-FAULTS = ["none", "delay", "stall", "cut", "garble", "kill", "stop", "disk", "robot"]
+FAULTS = ["none", "delay", "stall", "cut", "garble", "kill", "stop", "disk", "fills", "robot"]
 SECONDS = 8.0  # that a driver drives, if nothing ends it
+LASTS = 0.5  # time without a fresh stick from which the robot's end says so [s]
+FILLS = 200_000  # bytes that a disk takes before it is full
 
 
 @dataclasses.dataclass
@@ -99,7 +103,14 @@ def run(seed, folder, robot):
         file = pathlib.Path("/dev/full") if fault.kind == "disk" else recording
         command = [BATON, "drive", "--robot", robot, "--world", "flat", "--headless", "--input", f"script:{script}",
                    "--seconds", str(SECONDS), "--record", file, "--on"]  # fmt: skip
-        driver = subprocess.Popen([*command, proxy.address], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+        def limit_files():
+            if fault.kind == "fills":
+                resource.setrlimit(resource.RLIMIT_FSIZE, (FILLS, FILLS))
+
+        # With SIGXFSZ ignored, as Python leaves it, a write beyond the limit fails as on a full disk.
+        driver = subprocess.Popen([*command, proxy.address], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                  preexec_fn=limit_files, restore_signals=False)  # fmt: skip
         if fault.kind in ("kill", "stop", "robot"):
             time.sleep(fault.at)
             if fault.kind == "robot":
@@ -115,26 +126,30 @@ def run(seed, folder, robot):
             driver.kill()
             log, _ = driver.communicate()
             wrong.append("the driver hangs")
-        expected = {"none": (0,), "delay": (0,), "stall": (0, 1), "stop": (0, 1), "disk": (0,), "kill": (-9,)}
-        if driver.returncode not in expected.get(fault.kind, (0, 1)):
+        expected = {"stall": (0, 1), "stop": (0, 1), "garble": (0, 1), "cut": (1,), "robot": (1,), "kill": (-9,)}
+        if driver.returncode not in expected.get(fault.kind, (0,)):
             wrong.append(f"the driver ended with {driver.returncode}: {log[-300:]}")
         if driver.returncode == 1 and "tcp://" not in log:
             wrong.append(f"the driver does not say what was wrong: {log[-300:]}")
-        if fault.kind == "disk" and "not complete" not in log:
+        if fault.kind in ("disk", "fills") and "not complete" not in log:
             wrong.append("the full disk is not named")
-        if fault.kind not in ("disk", "robot") or recording.exists():
-            info = subprocess.run([BATON, "info", recording], capture_output=True, text=True) if recording.exists() else None
-            if info is not None and info.returncode != 0:
+        if fault.kind != "disk":
+            info = subprocess.run([BATON, "info", recording], capture_output=True, text=True)
+            if info.returncode != 0:
                 wrong.append(f"the recording does not open: {info.stderr[-200:]}")
+        said = ""
         if fault.kind != "robot":
             end.process.send_signal(signal.SIGINT)
             try:
                 _, said = end.process.communicate(timeout=40)
             except subprocess.TimeoutExpired:
                 wrong.append("the robot's end hangs")
-                said = ""
             if "fallen" in said or end.process.returncode not in (0, None):
                 wrong.append(f"the robot's end: {end.process.returncode}: {said[-300:]}")
+        if fault.kind in ("stall", "stop") and fault.lasts > LASTS + 0.2 and "link: " not in log + said:
+            wrong.append("neither end says that the stick was too old")
+        if fault.kind == "kill" and "driver" not in said:
+            wrong.append("the robot's end does not say that its driver is gone")
     return fault, wrong
 
 

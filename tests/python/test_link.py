@@ -300,6 +300,7 @@ def test_the_driver_is_warned_of_a_low_battery(tmp_path):
     assert done.returncode == 0 and done.stderr.count("the robot's battery is at 12 %") == 1, done.stderr
 
 
-def test_a_connection_that_is_cut_in_between_leaves_nothing_broken(tmp_path):
-    fault, wrong = link_faults.run(3, tmp_path, "mighty")
-    assert fault.kind == "cut" and not wrong
+@pytest.mark.parametrize("kind", ["cut", "fills"])
+def test_a_cut_connection_or_a_full_disk_leaves_nothing_broken(kind, tmp_path):
+    fault, wrong = link_faults.run(link_faults.FAULTS.index(kind), tmp_path, "mighty")
+    assert fault.kind == kind and not wrong
