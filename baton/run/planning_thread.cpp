@@ -1,10 +1,27 @@
 #include "baton/run/planning_thread.hpp"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <utility>
 
 #include "baton/run/cpu_time.hpp"
 
 namespace baton {
+namespace {
+
+/// In a process with real-time priority, planning keeps the lowest of these: ticks interrupt it, ordinary processes
+/// do not. Otherwise it changes nothing.
+void let_ticks_come_first() {
+  int policy = 0;
+  sched_param param{};
+  if (pthread_getschedparam(pthread_self(), &policy, &param) != 0 || (policy != SCHED_FIFO && policy != SCHED_RR))
+    return;
+  param.sched_priority = sched_get_priority_min(policy);
+  pthread_setschedparam(pthread_self(), policy, &param);
+}
+
+}  // namespace
 
 PlanningThread::PlanningThread(const RobotModel& robot, const World& world, Modes modes)
     : strategy_(robot, world, modes), thread_([this] { run(); }) {}
@@ -40,6 +57,7 @@ void PlanningThread::reset() {
 }
 
 void PlanningThread::run() {
+  let_ticks_come_first();
   for (;;) {
     State state = state_.load(std::memory_order_acquire);
     while (state == State::idle || state == State::answered) {

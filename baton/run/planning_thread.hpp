@@ -1,5 +1,6 @@
 /// Plans on a separate thread, so that the control loop never waits. Answers may come too late and be dropped: for
-/// real-time runs. A separate library, `baton::planning_thread`.
+/// real-time runs. In a process with real-time priority (`chrt -f 10`) ticks interrupt it. A separate library,
+/// `baton::planning_thread`.
 #pragma once
 
 #include <atomic>
