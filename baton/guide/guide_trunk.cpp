@@ -126,7 +126,9 @@ Vec2 Guide::opposite(const GuideContext& context, Side side, const Vec2& target,
   const double wide = outward.dot(target - stance) - std::max(0.0, moved) - 0.5 * robot_->profile().stance.width;
   const double band = same_place();
   const double narrows = std::clamp(beyond(wide, band), -kWidthStep * band, kWidthStep * band);
-  return 2.0 * target - stance - narrows * outward;
+  // The line between the feet turns with them.
+  const Eigen::Rotation2Dd turn(0.5 * wrap_angle(yaw - yaw_of(from.sole[side].R)));
+  return stance + turn * Vec2(2.0 * (target - stance)) - narrows * outward;
 }
 
 std::optional<Refusal> Guide::add_steps(const GuideContext& context, const Goal& goal, bool turn,

@@ -520,6 +520,29 @@ TEST_P(GuideTest, TurningMakesAStepInPlaceDue) {
   EXPECT_EQ(look.kind, SegmentKind::shift) << "a small turn needs no step";
 }
 
+// For many turns: once the feet's places stayed where they were, ahead of each other in the end.
+TEST_P(GuideTest, FeetThatTurnOnTheSpotStayBesideEachOther) {
+  const Guide guide(robot_, flat());
+  const double height = robot_.profile().stance.com_height;
+  for (const double direction : {1.0, -1.0}) {
+    GuideContext turn = at_home();
+    const Vec2 spot = turn.from.com.head<2>();
+    for (int k = 0; k < 60; ++k) {
+      const Goal goal = first(guide.goals(turn, push(Part::trunk, 5, direction)));
+      ASSERT_EQ(goal.kind, SegmentKind::step) << k;
+      const Vec3 apart = rotation_z(-mean_yaw(goal.sole)) * (goal.sole.left.p - goal.sole.right.p);
+      EXPECT_LT(std::abs(apart.x()), 0.01 * height) << k;
+      EXPECT_NEAR(apart.y(), robot_.profile().stance.width, 0.02 * height) << k;
+      EXPECT_LT((goal.com.head<2>() - spot).norm(), 0.2 * height) << k;
+      turn.from.sole = goal.sole;
+      turn.from.com = goal.com;
+      turn.from.trunk = goal.trunk;
+      turn.last_step = *goal.swing;
+      turn.stick_held = true;
+    }
+  }
+}
+
 TEST_P(GuideTest, HeightsAreClampedAndOnlyVerticalCommandsChangeThem) {
   const Guide guide(robot_, flat());
   const Profile::Region& region = robot_.profile().region;
