@@ -174,8 +174,9 @@ class Guide {
   /// @param turn whether a step is due to turn the feet
   std::optional<Refusal> add_steps(const GuideContext& context, const Goal& goal, bool turn, const FootRegion& region,
                                    std::vector<Goal>& goals) const;
-  /// Where a foot steps to bring the middle of the feet to `target` [m]. Each step leaves the middle off by a little,
-  /// to either side in turn, to bring the feet's lateral distance back to the stance width: soles that slip change it.
+  /// Where a foot steps to bring the middle of the feet to `target` [m]. With a turn the line between the feet turns
+  /// too, about the other foot, which leaves the middle off. Each step leaves it off by a little, to either side in
+  /// turn, to bring the feet's lateral distance back to the stance width: soles that slip change it.
   /// @param yaw of the heading after the step
   [[nodiscard]] Vec2 opposite(const GuideContext& context, Side side, const Vec2& target, double yaw) const;
   /// The foot farther from a place; at a tie, the one that did not step last.

@@ -16,6 +16,15 @@ constexpr double kWidthStep = 3.0;       ///< largest change of the feet's later
 
 static_assert(0.5 * kWidthStep < kMostLeft, "half of a change of the distance moves the middle of the feet");
 
+/// How the middle of the feet moves as a step turns the line between them (`opposite`) [m].
+Vec2 moved_by_turn(const GuideContext& context, const Goal& step) {
+  if (!step.swing) return Vec2::Zero();
+  const Side side = *step.swing;
+  const double turn = 0.5 * wrap_angle(yaw_of(step.sole[side].R) - yaw_of(context.from.sole[side].R));
+  const Vec2 from_stance = (step.com - context.from.sole[other(side)].p).head<2>() + context.com_offset;
+  return from_stance - Eigen::Rotation2Dd(-turn) * from_stance;
+}
+
 }  // namespace
 
 GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target) const {
@@ -49,8 +58,10 @@ GuideResult Guide::guide_trunk(const GuideContext& context, const Target& target
     // What a step leaves of the displacement is drift, for the next ones to correct. A goal that is farther from it, as
     // before an edge, corrects yaw alone.
     Goal& made = (*goals)[i];
-    const bool there = (made.com - goal.com).head<2>().norm() < kMostLeft * same_place();
+    const Vec2 by_turn = moved_by_turn(context, made);
+    const bool there = (made.com.head<2>() - by_turn - goal.com.head<2>()).norm() < kMostLeft * same_place();
     made.drift_correction = {made.com - R * (there ? uncorrected : made.com), R};
+    if (there) made.drift_correction.p.head<2>() -= by_turn;
     made.drift_correction.p.z() = 0.0;
   }
   return result;
