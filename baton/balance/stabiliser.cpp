@@ -58,9 +58,9 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   const double omega = robot_->omega();
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
   const bool begins = std::exchange(first_, false);
-  if (!begins && stands >= 1.0) {
-    // While joints are led to the plan, where the soles are says nothing of the ground.
-    if (apart_.isZero(0.0)) footing_.follow(now, next, state, wanted_);
+  // While joints are led to the plan, they say nothing of ground, motors and COM.
+  if (!begins && stands >= 1.0 && apart_.isZero(0.0)) {
+    footing_.follow(now, next, state, wanted_);
     update_joints(now, state);
     compare_zmp(now, state);
   }
@@ -109,6 +109,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
     approaching_ = 0.0;
   }
   approach_plan();
+  if (!apart_.isZero(0.0)) correction_.settling = true;
   target_.q_correction = commanded_ - target_.q;
   return target_;
 }

@@ -17,8 +17,8 @@ struct Correction {
   /// low-passed, beyond a dead band [m]. It stands for payload, COM errors and a tilted IMU, which a standing robot
   /// cannot tell apart.
   Vec2 com_offset = Vec2::Zero();
-  /// Whether `com_offset` has not converged yet after a start: until then no motion is begun from rest, except to catch
-  /// the robot.
+  /// Whether after a start joints are still led to the plan, or `com_offset` has not converged: until then no motion is
+  /// begun from rest, except to catch the robot.
   bool settling = false;
 };
 

@@ -115,6 +115,7 @@ TEST_P(EngageTest, NearItsStanceNoJointJumpsEither) {
     VecX before = there.q.tail(n_);
     check.begin(before);
     double step = 0.0;
+    double left = 0.0;  // of the way to the plan
     double fastest = 0.0;
     std::string rejected;
     Hooks hooks;
@@ -124,11 +125,19 @@ TEST_P(EngageTest, NearItsStanceNoJointJumpsEither) {
       rejected = check.reject(sent, record.measurement.q).value_or(rejected);
       step = std::max(step, (now - before).cwiseAbs().maxCoeff());
       before = now;
+      left = (now - record.target.q).cwiseAbs().maxCoeff();
       fastest = std::max(fastest, record.truth->dq.tail(n_).cwiseAbs().maxCoeff());
     };
     session.add(hooks);
-    while (session.t() < 2.0 && !session.fallen())
-      session.step(Command{});
+    Command ahead;  // with the stick held from the first tick on
+    ahead.axes[0] = 1.0;
+    double begun = 0.0;
+    while (session.t() < 2.0 && !session.fallen() && session.resting()) {
+      begun = session.t();
+      session.step(ahead);
+    }
+    EXPECT_GT(begun, 1.8 * off / 0.3);
+    EXPECT_LT(left, 0.02) << "when a motion begins";
     EXPECT_FALSE(session.fallen()) << simulation.truth().fall;
     EXPECT_EQ(rejected, "") << off;
     EXPECT_LT(step, 0.02) << off;
