@@ -148,6 +148,7 @@ int drive(const DriveOptions& o) {
     if (view && remote && view->damp_asked()) remote->damp("by the page");
   };
   if (remote) {
+    remote->meanwhile(damp_if_asked);
     remote->begin(parameters.calibration, [&] {
       damp_if_asked();
       return !interrupted;
@@ -166,7 +167,6 @@ int drive(const DriveOptions& o) {
     return true;
   };
   const auto stick = [&] {
-    damp_if_asked();  // here, too, as a stick is looked at while the robot's answer is waited for
     if (stopping) return Command{};
     return engaging() ? kHome : inputs.decide(session.view());
   };

@@ -18,6 +18,7 @@ namespace baton::app {
 namespace {
 
 constexpr double kSettled = 0.5;  ///< time of rest after which a robot has taken its stance, or cannot [s]
+constexpr double kLate = 0.1;     ///< delay of measurements from which the stick counts as centred [s]
 constexpr double kLow = 0.2;      ///< charge of a battery of which the driver is warned
 
 }  // namespace
@@ -80,7 +81,9 @@ bool RemoteEnd::step(Session& session, const std::function<Command()>& stick) {
         session.drive_arms(targets);
       session.step(followed);
     } else {
-      session.step(stick());
+      const Command command = stick();
+      session.step(late_ ? Command{} : command);
+      look_late(session);
     }
     if (engaging_) look_engaged(session);
     if (hangs_) look_lifted(session);
@@ -102,11 +105,28 @@ void RemoteEnd::drive_arms(Session& session, const ArmTargets& targets) {
 }
 
 void RemoteEnd::damp(const std::string& because) {
-  if (std::exchange(damped_, true)) return;
+  if (damped_) return;
   try {
     remote_->damp(because);
+    damped_ = true;
   } catch (const LinkError& error) {
-    spdlog::error("{}: not damped: {}", address_, error.what());
+    if (!std::exchange(undamped_, true)) spdlog::error("{}: not damped: {}", address_, error.what());
+  }
+}
+
+void RemoteEnd::meanwhile(std::function<void()> passing) {
+  remote_->meanwhile(std::move(passing));
+}
+
+void RemoteEnd::look_late(Session& session) {
+  const bool was_late = std::exchange(late_, remote_->late() > kLate);
+  if (late_) ++late_ticks_;
+  if (late_ == was_late) return;
+  if (late_) {
+    session.drive_arms(released_arms(*model_));
+    spdlog::warn("link: the robot's measurements come {:.2f} s late: it rests", remote_->late());
+  } else {
+    spdlog::info("link: the stick counts again");
   }
 }
 
@@ -150,6 +170,7 @@ nlohmann::json RemoteEnd::json() const {
           {"navigates", welcome().navigates},
           {"rejected", remote_->rejected()},
           {"stale", remote_->stale()},
+          {"late", late_ticks_},
           {"battery", std::isfinite(remote_->battery()) ? nlohmann::json(remote_->battery()) : nlohmann::json()},
           {"broken", broken_}};
 }

@@ -49,6 +49,8 @@ class RemoteEnd {
   void drive_arms(Session& session, const ArmTargets& targets);
   /// Lets the robot's motors only brake; the next step finds that it follows no longer.
   void damp(const std::string& because);
+  /// @param passing called about every 10 ms while the robot is waited for
+  void meanwhile(std::function<void()> passing);
   /// Why it follows no longer; "": it does.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
@@ -58,6 +60,7 @@ class RemoteEnd {
  private:
   void look_engaged(const Session& session);
   void look_lifted(const Session& session);
+  void look_late(Session& session);
   void warn();
 
   std::string address_;
@@ -70,8 +73,11 @@ class RemoteEnd {
   long rested_ = 0;    ///< ticks, while engaging
   bool told_ = false;  ///< that the robot has rejected a target
   bool stale_ = false;
-  bool low_ = false;     ///< its battery, which has been logged
-  bool damped_ = false;  ///< that has been asked for
+  bool late_ = false;  ///< the measurements of a robot that follows targets, in the last tick
+  long late_ticks_ = 0;
+  bool low_ = false;       ///< its battery, which has been logged
+  bool damped_ = false;    ///< that has been asked for
+  bool undamped_ = false;  ///< that could not be asked for, which has been logged
   std::string broken_;
 };
 

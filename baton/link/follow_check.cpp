@@ -11,14 +11,30 @@ namespace baton::link {
 FollowCheck::FollowCheck(const RobotModel& robot, Parameters parameters) : robot_(&robot), parameters_(parameters) {
   const double ticks = std::max(1.0, std::round(parameters_.window / robot.profile().tick.period));
   ticks_.resize(static_cast<std::size_t>(ticks));
+  for (const Side side : kSides)
+    joints_.insert(joints_.end(), robot.leg(side).begin(), robot.leg(side).end());
+}
+
+void FollowCheck::begin() {
+  taken_ = 0;
+  stuck_ = 0;
+  why_.clear();
+}
+
+VecX FollowCheck::of_legs(const VecX& q) const {
+  VecX some(static_cast<Eigen::Index>(joints_.size()));
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    some[static_cast<Eigen::Index>(i)] = q[joints_[i]];
+  return some;
 }
 
 void FollowCheck::take(const VecX& commanded, const VecX& measured) {
   Tick& oldest = ticks_[taken_++ % ticks_.size()];
-  const Tick then = std::exchange(oldest, {commanded, measured});
+  const Tick now{of_legs(commanded), of_legs(measured)};
+  const Tick then = std::exchange(oldest, now);
   if (taken_ <= ticks_.size()) return;
-  const VecX told = commanded - then.commanded;
-  const VecX went = measured - then.measured;
+  const VecX told = now.commanded - then.commanded;
+  const VecX went = now.measured - then.measured;
   const double moves = told.squaredNorm();
   // A joint angle that is not a number is the sensors' matter.
   const bool follows = moves < parameters_.moves * parameters_.moves || !(told.dot(went) < parameters_.share * moves);
@@ -31,7 +47,8 @@ void FollowCheck::take(const VecX& commanded, const VecX& measured) {
   Eigen::Index j = 0;
   (told - went).cwiseAbs().maxCoeff(&j);
   why_ = fmt::format("{} was told to go by {:.3f} rad to {:.3f} rad, and went by {:.3f} rad to {:.3f} rad",
-                     robot_->joints()[static_cast<std::size_t>(j)].name, told[j], commanded[j], went[j], measured[j]);
+                     robot_->joints()[static_cast<std::size_t>(joints_[static_cast<std::size_t>(j)])].name, told[j],
+                     now.commanded[j], went[j], now.measured[j]);
 }
 
 }  // namespace baton::link

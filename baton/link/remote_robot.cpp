@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -15,6 +16,9 @@ namespace {
 constexpr Socket::Time kSending{2000};
 constexpr Socket::Time kFarewell{200};
 constexpr Socket::Time kNextLook{1};   ///< from one look at a stick to the next
+constexpr Socket::Time kPassing{10};   ///< from one call to the next while the robot is waited for
+constexpr double kClocks = 2e-4;       ///< by how much two clocks may differ
+constexpr double kBehind = 0.02;       ///< delay from which measurements do not tell whether the robot follows [s]
 constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which it follows no longer [s]
 
 bool same_bits(const VecX& a, const VecX& b) {
@@ -137,7 +141,12 @@ void RemoteRobot::write(const JointTarget& target) {
   try {
     send(Type::target, encode(sent));
     await_reading(parameters_.answering);
-    follow_.take(sent.q, reading_.measurement.q);
+    note_delay();
+    if (in_a_row_ > 0 || late_ > kBehind) {
+      follow_.begin();  // it holds an older target
+    } else {
+      follow_.take(sent.q, reading_.measurement.q);
+    }
   } catch (const LinkError& error) {
     throw LinkError(fmt::format("{}: {}", parameters_.address.text(), error.what()));
   }
@@ -154,7 +163,8 @@ bool RemoteRobot::take_reading(Socket::Time limit) {
       if (take(*message)) return true;
     }
     const auto left = std::chrono::ceil<Socket::Time>(until - std::chrono::steady_clock::now());
-    if (left.count() <= 0 || !socket_.receive(stream_.bytes(), left)) return false;
+    if (left.count() <= 0) return false;
+    if (!socket_.receive(stream_.bytes(), std::min(left, kPassing)) && meanwhile_) meanwhile_();
   }
 }
 
@@ -267,6 +277,14 @@ void RemoteRobot::check_sequence(const Reading& reading) {
   if (reading.sequence != expected_)
     throw LinkError(fmt::format("measurement {} in place of {}", reading.sequence, expected_));
   ++expected_;
+}
+
+void RemoteRobot::note_delay() {
+  if (welcome_.lock_step) return;
+  const double now = std::chrono::duration<double>(parameters_.now().time_since_epoch()).count();
+  const double delay = now - reading_.measurement.t;
+  quickest_ = std::min(quickest_ + kClocks * welcome_.period, delay);
+  late_ = delay - quickest_;
 }
 
 double RemoteRobot::not_followed_for() const {

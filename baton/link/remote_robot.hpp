@@ -7,8 +7,10 @@
 /// `EchoedPlanning`, and `write` compares what it comes to: so all that can be known of a run is known here, too.
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +37,8 @@ class RemoteRobot : public Robot {
     NavigationOptions navigation{};  ///< for a robot that navigates by itself
     /// Called before the robot is taken over; throws if it shall not be.
     std::function<void(const Welcome&)> accept = [](const Welcome&) {};
+    /// For `late`.
+    std::function<std::chrono::steady_clock::time_point()> now = &std::chrono::steady_clock::now;
     Socket::Time connecting{3000};   ///< longest time for an answer to come while connecting
     Socket::Time answering{10'000};  ///< the same for a measurement: the robot may be simulated by a slow computer
   };
@@ -73,6 +77,12 @@ class RemoteRobot : public Robot {
   /// Ticks in which it had no command that was fresh.
   [[nodiscard]] long stale() const { return stale_; }
 
+  /// How much later the newest measurement of a robot that follows targets in real time has come than the quickest one
+  /// did, but for clocks that differ by 0.02 %: the robot, the network or this end is behind [s].
+  [[nodiscard]] double late() const { return late_; }
+  /// @param passing called about every 10 ms while the robot is waited for
+  void meanwhile(std::function<void()> passing) { meanwhile_ = std::move(passing); }
+
   /// In real time, goes on to the newest measurement that has come, if there is one: call it before a run begins.
   /// @throws LinkError as `write`
   void catch_up();
@@ -92,8 +102,8 @@ class RemoteRobot : public Robot {
   /// Targets that the robot has rejected, and why the last one was.
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }
-  /// Why it follows no longer: it was damped, has rejected all targets of some time, or its joints do not go where
-  /// they are told to go; "": it follows.
+  /// Why it follows no longer: it was damped, has rejected all targets of some time, or its legs do not go where they
+  /// are told to go; "": it follows.
   [[nodiscard]] std::string follows_no_longer() const;
 
  private:
@@ -119,6 +129,7 @@ class RemoteRobot : public Robot {
   /// @throws LinkError it says why the robot is gone
   void hear_last_words();
   void check_sequence(const Reading& reading);
+  void note_delay();
 
   const RobotModel* model_;
   Parameters parameters_;
@@ -141,6 +152,10 @@ class RemoteRobot : public Robot {
   std::chrono::steady_clock::time_point rejecting_since_;
   std::string rejection_, damped_because_;
   FollowCheck follow_;
+  double quickest_ =
+      std::numeric_limits<double>::infinity();  ///< least difference of this end's clock to measurements [s]
+  double late_ = 0.0;
+  std::function<void()> meanwhile_;
 };
 
 /// Damps the robot at that address, whoever drives it.

@@ -94,6 +94,53 @@ class Stopped : public Robot {
   VecX q_;
 };
 
+TEST_P(FollowCheckTest, AnArmThatIsHeldIsNoReason) {
+  FollowCheck check(robot_);
+  VecX q = stand(robot_, Pose{}, robot_.profile().stance.com_height).q.tail(n_);
+  const VecX held = q;
+  for (int k = 0; k < 100; ++k) {
+    for (const int j : robot_.arm(Side::left))
+      q[j] += 0.01;
+    check.take(q, held);
+    EXPECT_EQ(check.why(), "");
+  }
+  q[robot_.leg(Side::left)[2]] += 0.01;
+  for (int k = 0; k < 40; ++k) {
+    q[robot_.leg(Side::left)[2]] += 0.01;
+    check.take(q, held);
+  }
+  EXPECT_THAT(check.why(), HasSubstr(robot_.joints()[static_cast<std::size_t>(robot_.leg(Side::left)[2])].name));
+  check.begin();
+  EXPECT_EQ(check.why(), "");
+}
+
+// A driver that was stopped for a while answers what has come meanwhile, one by one.
+TEST_P(FollowCheckTest, ADriverThatIsBehindBlamesItselfUntilItHasCaughtUp) {
+  test::Served served(robot_, {}, "", test::Served::Pace::by_answers);
+  RemoteRobot::Parameters parameters{served.address(), ""};
+  std::chrono::steady_clock::time_point now;
+  parameters.now = [&] { return now; };
+  RemoteRobot remote(robot_, "flat", parameters);
+  const VecX stance = stand(robot_, Pose{}, robot_.profile().stance.com_height).q.tail(n_);
+  const VecX zero = VecX::Zero(n_);
+  const auto tick =
+      std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(period_));
+  const auto live = [&](int ticks, std::chrono::steady_clock::duration passes) {
+    for (int k = 0; k < ticks; ++k) {
+      now += passes;
+      remote.write({stance, zero, zero, zero, {true, true}, zero});
+    }
+  };
+  live(40, tick);
+  EXPECT_NEAR(remote.late(), 0.0, 1e-3);
+  now += 60 * tick;
+  live(1, tick);
+  EXPECT_NEAR(remote.late(), 60 * period_, 2e-3);
+  live(60, std::chrono::steady_clock::duration::zero());
+  EXPECT_NEAR(remote.late(), 0.0, 2e-3);
+  EXPECT_EQ(remote.follows_no_longer(), "");
+}
+
 TEST_P(FollowCheckTest, AnEmergencyStopAtTheRobotIsNoticedWithinATenthOfASecondOfMoving) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const double at = 2.0 + 0.23 * static_cast<double>(seed);
