@@ -369,5 +369,5 @@ def test_it_ends_with_the_motors_braking(served, how):
     assert bridge.end(how) == 0
     robot.await_motors(braking)
     last = [braking(motors) for *_, motors in robot.heard(asked)]
-    last = last[last.index(True) :]  # how soon it is told to end is the computer's matter
-    assert len(last) > 100 and all(last), "once it brakes, it brakes to the end"
+    first = last.index(True)  # how soon it hears the signal is the computer's matter, to some extent
+    assert first < 500 and len(last) - first > 100 and all(last[first:]), "once it brakes, it brakes to the end"
