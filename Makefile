@@ -21,7 +21,7 @@ forget = $(if $(call moved,$(1)),@echo "$(1) was configured in another folder: m
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run build page test test-fast test-cpp test-page test-python test-wheel wheel sanitize sanitize-fast sanitize-threads fuzz ci-clang bench format lint robots rcss setup setup-wheel setup-test setup-dev clean anew
+.PHONY: help run build page test test-fast test-cpp test-page test-python test-wheel wheel sanitize sanitize-fast sanitize-threads fuzz ci-clang bench bench-placo format lint robots rcss setup setup-wheel setup-test setup-dev clean anew
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -101,6 +101,11 @@ ci-clang: setup-dev ## build with clang, warnings as errors
 
 bench: build ## CPU times; durations against their lower bound; a baseline; latency; each robot (about ten minutes)
 	$(BUILD)/baton_bench $(ARGS)
+
+bench-placo: build ## inverse kinematics beside that of placo (PyPI), on the same targets (ARGS="--robot talos")
+	.venv/bin/python -m venv build/placo-env
+	build/placo-env/bin/pip install -q --disable-pip-version-check -r scripts/requirements-placo.txt
+	build/placo-env/bin/python bench/ik_placo.py --bench $(BUILD)/baton_bench $(ARGS)
 
 format: setup-dev ## format all C++ sources
 	scripts/lint --format

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,9 @@ inline void time(Row& row, const std::function<void()>& call) {
 struct Options {
   int scripts =
       0;  ///< scripts for the baseline comparison; 0: 1,000 for the baseline, as many of ours as fit in a minute
-  std::string robot = "mighty";  ///< for the latencies and the connection
-  int trials = 1000;             ///< for the same: changes of the command
+  std::string robot = "mighty";  ///< for inverse kinematics, the latencies and the connection
+  int trials = 1000;             ///< for the last two: changes of the command
+  std::string ik_targets;        ///< file for the robot, the targets of inverse kinematics and the solutions, if any
 };
 
 using Rows = std::vector<Row>;
@@ -69,6 +71,7 @@ Rows link_in_real_time(const Options&);
 Rows bench_robots(const Options&);
 
 /// Inverse kinematics of a robot that walks and reaches.
-Rows ik_rows(const RobotModel& robot, const std::string& prefix);
+/// @param motions takes the targets, solutions and times of each tick, if given
+Rows ik_rows(const RobotModel& robot, const std::string& prefix, nlohmann::json* motions = nullptr);
 
 }  // namespace baton::bench

@@ -54,9 +54,11 @@ int main(int argc, char** argv) {
   app.add_option("groups", chosen, "which of" + names + " (all)");
   app.add_option("--scripts", options.scripts,
                  "for `baseline`: this many for both sides (1000, and what a minute takes)");
-  app.add_option("--robot", options.robot, "for `latency` and `link`: a name in robots/ or a profile's file (mighty)");
+  app.add_option("--robot", options.robot,
+                 "for `ik`, `latency` and `link`: a name in robots/ or a profile's file (mighty)");
   app.add_option("--trials", options.trials, "for `latency` and `link`: changes of the command (1000)")
       ->check(CLI::Range(1, 1000000));
+  app.add_option("--ik-targets", options.ik_targets, "for `ik`: write targets and solutions to this .json file");
   CLI11_PARSE(app, argc, argv);
 
   fmt::print("{:<44} {:>5} {:>10} {:>10} {:>10} {:>7} {:>8}\n", "", "unit", "median", "p99", "worst", "count",
