@@ -445,9 +445,15 @@ void fill_from(const Size& size, Filler& fill) {
     fill("phases.flow", toml::array{0.15, 0.45, 0.40}, fmt::format("w ≥ {} h", kNarrowSole));
   }
   fill("phases.weights", toml::array{1.0, 3.0, 3.0, 1.0}, "fixed");
-  fill.length("margin.zmp_plan", 12.0 / 36.0, w, "w");
-  // Soles that are narrow tip outward sooner, and what tips them is a matter of angles, so of the height.
-  fill.length("margin.zmp_outward", narrow ? 0.055 : 0.012 / 0.26, h, "h");
+  // Soles that are narrow tip outward sooner, and what tips them is a matter of angles, so of the height. Inward there
+  // is the other foot: half of what that leaves of the width is for the ZMP.
+  fill.length("margin.zmp_outward", narrow ? 0.065 : 0.012 / 0.26, h, "h");
+  const double left = (2.0 * w - fill.number("margin.zmp_outward", 0.0)) / 4.0;
+  if (left < w / 3.0) {
+    fill("margin.zmp_plan", to_digits(std::max(left, w / 12.0)), "(2 w - zmp_outward) / 4, at least w / 12");
+  } else {
+    fill.length("margin.zmp_plan", 12.0 / 36.0, w, "w");
+  }
   fill.length("margin.zmp_verify", 3.0 / 36.0, w, "w");
   fill.length("margin.zmp_feedback", 4.0 / 36.0, w, "w");
   fill.length("margin.stand_on", 25.0 / 36.0, w, "w");

@@ -1,6 +1,7 @@
 /// Recording and replay, and planning on a thread of its own.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -219,6 +220,21 @@ TEST_F(Replay, HoldsTheTargetsThemselvesToTheRecordedOnes) {
   const Outcome sum = replayed_with(parts, "/baton/tick", 7, [](auto& tick) { tick["sum"] = "0123456789abcdef"; });
   EXPECT_EQ(sum.code, app::kFailed);
   EXPECT_THAT(sum.out, HasSubstr("tick 7: the joint targets differ"));
+}
+
+TEST_F(Replay, InfoTakesEventsWithoutAName) {
+  record("ideal", {"--fast"});
+  const RecordingParts parts(file_);
+  const auto first = std::ranges::find(parts.messages, "/baton/events", &RecordingParts::Part::topic);
+  ASSERT_NE(first, parts.messages.end());
+  for (const char* data : {R"({"event": 7})", "{}", "[1]", "7", "null"}) {
+    RecordingParts changed = parts;
+    changed.messages[static_cast<std::size_t>(first - parts.messages.begin())].data = data;
+    write(changed);
+    const Outcome outcome = run({"info", file_});
+    EXPECT_EQ(outcome.code, app::kDone) << data << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("1 event")) << data;
+  }
 }
 
 TEST_F(Replay, WhatItReadsWrongIsOneLineAndExitCodeTwo) {
