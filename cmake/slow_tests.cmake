@@ -11,6 +11,7 @@ set(slow_suites
     Episode
     FallTest
     FlowTest
+    FollowCheckRunsTest
     FuzzTest
     MotorHeatTest
     NavigatorTest

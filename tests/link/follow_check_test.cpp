@@ -30,10 +30,13 @@ class FollowCheckTest : public testing::TestWithParam<std::string> {
   const World world_ = World::load("flat");
 };
 
+class FollowCheckRunsTest : public FollowCheckTest {};
+
 INSTANTIATE_TEST_SUITE_P(Robots, FollowCheckTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
+INSTANTIATE_TEST_SUITE_P(Robots, FollowCheckRunsTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
 // Pushed about, and with twice the share that is asked for: nothing that a driven robot does looks like that.
-TEST_P(FollowCheckTest, ARobotThatIsDrivenIsNeverTakenForOneThatDoesNotFollow) {
+TEST_P(FollowCheckRunsTest, ARobotThatIsDrivenIsNeverTakenForOneThatDoesNotFollow) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     Simulation::Parameters parameters;
     parameters.physics.plant = real_plant(robot_, seed);
@@ -141,7 +144,7 @@ TEST_P(FollowCheckTest, ADriverThatIsBehindBlamesItselfUntilItHasCaughtUp) {
   EXPECT_EQ(remote.follows_no_longer(), "");
 }
 
-TEST_P(FollowCheckTest, AnEmergencyStopAtTheRobotIsNoticedWithinATenthOfASecondOfMoving) {
+TEST_P(FollowCheckRunsTest, AnEmergencyStopAtTheRobotIsNoticedWithinATenthOfASecondOfMoving) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const double at = 2.0 + 0.23 * static_cast<double>(seed);
     Stopped stopped(robot_, world_, at, seed);
