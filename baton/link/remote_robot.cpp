@@ -17,7 +17,7 @@ constexpr Socket::Time kSending{2000};
 constexpr Socket::Time kFarewell{200};
 constexpr Socket::Time kNextLook{1};   ///< from one look at a stick to the next
 constexpr Socket::Time kPassing{10};   ///< from one call to the next while the robot is waited for
-constexpr double kClocks = 2e-4;       ///< by how much two clocks may differ
+constexpr double kForgets = 2.0;       ///< time constant of the quickest measurement's delay: clocks may differ [s]
 constexpr double kBehind = 0.02;       ///< delay from which measurements do not tell whether the robot follows [s]
 constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which it follows no longer [s]
 
@@ -283,7 +283,8 @@ void RemoteRobot::note_delay() {
   if (welcome_.lock_step) return;
   const double now = std::chrono::duration<double>(parameters_.now().time_since_epoch()).count();
   const double delay = now - reading_.measurement.t;
-  quickest_ = std::min(quickest_ + kClocks * welcome_.period, delay);
+  // A robot that has left time out is not late for ever.
+  quickest_ = quickest_ < delay ? quickest_ + welcome_.period / kForgets * (delay - quickest_) : delay;
   late_ = delay - quickest_;
 }
 

@@ -78,7 +78,7 @@ class RemoteRobot : public Robot {
   [[nodiscard]] long stale() const { return stale_; }
 
   /// How much later the newest measurement of a robot that follows targets in real time has come than the quickest one
-  /// did, but for clocks that differ by 0.02 %: the robot, the network or this end is behind [s].
+  /// of the last seconds: the robot, the network or this end is behind [s].
   [[nodiscard]] double late() const { return late_; }
   /// @param passing called about every 10 ms while the robot is waited for
   void meanwhile(std::function<void()> passing) { meanwhile_ = std::move(passing); }

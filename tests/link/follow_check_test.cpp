@@ -141,6 +141,11 @@ TEST_P(FollowCheckTest, ADriverThatIsBehindBlamesItselfUntilItHasCaughtUp) {
   EXPECT_NEAR(remote.late(), 60 * period_, 2e-3);
   live(60, std::chrono::steady_clock::duration::zero());
   EXPECT_NEAR(remote.late(), 0.0, 2e-3);
+  now += 60 * tick;  // the robot has left time out
+  live(1, tick);
+  EXPECT_GT(remote.late(), 0.1);
+  live(static_cast<int>(3.0 / period_), tick);
+  EXPECT_LT(remote.late(), 0.1);
   EXPECT_EQ(remote.follows_no_longer(), "");
 }
 
