@@ -27,6 +27,8 @@ constexpr double kStepBack = 1.0;       ///< it goes back for so long when it is
 constexpr double kCoast = 0.2;          ///< the robot goes on for so long once the stick is let go of [s]
 constexpr double kLeastDoubt = 0.0005;  ///< of what a tap does [m]
 constexpr double kDoubt = 0.03;         ///< of what a tap does, share of what it asks for
+constexpr double kHome = 4.0;           ///< for which `home` is held at the steps [s]
+constexpr int kBacks = 3;               ///< every so many times that it is stuck there it tries that, else a step back
 constexpr double kAnswered = 0.1;       ///< from a tap to when the page shows what comes of it [s]
 
 }  // namespace
@@ -135,7 +137,9 @@ Sight RoomOperator::steady() const {
 
 Command RoomOperator::steer(double t) {
   const bool back = stage_ == Stage::steps && stick_.axes[0] < 0.0;
-  if (t - deflection_.since < (back ? kStepBack : parameters_.glance)) return stick_;
+  const double holds = stick_.recall == Recall::home ? kHome : back ? kStepBack : parameters_.glance;
+  if (t - deflection_.since < holds) return stick_;
+  stick_.recall = Recall::none;
   deflection_.since = t;
   deflection_.pending = false;
   const bool idle = !stick_.axes.isZero(0.0) && looked_ > parameters_.glance;
@@ -151,8 +155,12 @@ Command RoomOperator::steer(double t) {
     return stick_;
   }
   stick_.axes.setZero();
-  if (stage_ == Stage::steps) {  // stuck: other footholds may do
-    stick_.axes[0] = -1.0;
+  if (stage_ == Stage::steps) {  // stuck: other footholds may do, or other feet
+    if (++backs_ % kBacks == 0) {
+      stick_.recall = Recall::home;
+    } else {
+      stick_.axes[0] = -1.0;
+    }
     deflection_.refusals = 0;
   } else {
     steered_ = true;  // close: go on by taps

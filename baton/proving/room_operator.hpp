@@ -110,6 +110,7 @@ class RoomOperator : public Operator {
   Command stick_;         ///< currently held
   Deflection deflection_;
   std::size_t approach_ = 0;  ///< positions from which the arm could not do it
+  int backs_ = 0;             ///< how often it was stuck at the steps
   bool goes_home_ = false;    ///< next, as it could do it from none: feet that are apart may be in the way
   double rests_since_ = 0.0;  ///< as seen, [s]
   double looked_ = 0.0;       ///< time since then [s]

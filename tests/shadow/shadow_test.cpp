@@ -99,7 +99,7 @@ TEST_P(ShadowTest, WhatIsWrongIsNamed) {
     const std::vector<std::string> askew = found(*watch(plant("mount", seed, 2.0), 2.0));
     EXPECT_THAT(askew, Contains(tilted));
     EXPECT_THAT(askew, Not(Contains(HasSubstr("right sole's"))));
-    EXPECT_THAT(found(*watch(plant("encoders", seed, 3.0), 2.0)), Contains(turned));
+    EXPECT_THAT(found(*watch(plant("encoders", seed, 3.0), 3.0)), Contains(turned));
     EXPECT_THAT(found(*watch(plant("yaw_drift", seed), 7.0)), Contains("yaw drift"));
   }
 }
