@@ -7,9 +7,19 @@
 #include <utility>
 
 namespace baton::link {
+namespace {
 
-FollowCheck::FollowCheck(const RobotModel& robot, Parameters parameters) : robot_(&robot), parameters_(parameters) {
-  const double ticks = std::max(1.0, std::round(parameters_.window / robot.profile().tick.period));
+// A robot with long ticks is some of them behind.
+constexpr long kWindow = 8;  ///< least length of the window [ticks]
+constexpr int kLasts = 12;   ///< least time for which it must not have followed [ticks]
+
+}  // namespace
+
+FollowCheck::FollowCheck(const RobotModel& robot, Parameters parameters)
+    : robot_(&robot),
+      parameters_(parameters),
+      lasts_(std::max(kLasts, static_cast<int>(std::lround(parameters.lasts / robot.profile().tick.period)))) {
+  const long ticks = std::max(kWindow, std::lround(parameters_.window / robot.profile().tick.period));
   ticks_.resize(static_cast<std::size_t>(ticks));
   for (const Side side : kSides)
     joints_.insert(joints_.end(), robot.leg(side).begin(), robot.leg(side).end());
@@ -39,7 +49,7 @@ void FollowCheck::take(const VecX& commanded, const VecX& measured) {
   // A joint angle that is not a number is the sensors' matter.
   const bool follows = moves < parameters_.moves * parameters_.moves || !(told.dot(went) < parameters_.share * moves);
   stuck_ = follows ? 0 : stuck_ + 1;
-  if (stuck_ * robot_->profile().tick.period < parameters_.lasts) {
+  if (stuck_ < lasts_) {
     why_.clear();
     return;
   }

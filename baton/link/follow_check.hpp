@@ -14,8 +14,8 @@ namespace baton::link {
 class FollowCheck {
  public:
   struct Parameters {
-    double window = 0.04;  ///< time over which joints are compared with what they were told [s]
-    double lasts = 0.06;   ///< time for which they must not have followed [s]
+    double window = 0.04;  ///< time over which joints are compared with what they were told, or 8 ticks [s]
+    double lasts = 0.06;   ///< time for which they must not have followed, or 12 ticks [s]
     double moves =
         0.02;  ///< way that they were told to go in the window, norm over the legs' joints, to be judged [rad]
     double share = 0.1;  ///< part of that way, in its direction, below which they do not follow
@@ -45,6 +45,7 @@ class FollowCheck {
   Parameters parameters_;
   std::vector<int> joints_;  ///< of the legs
   std::vector<Tick> ticks_;  ///< of the window, a ring
+  int lasts_;                ///< [ticks]
   std::size_t taken_ = 0;
   int stuck_ = 0;  ///< ticks in a row in which they did not follow
   std::string why_;
