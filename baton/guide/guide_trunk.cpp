@@ -16,11 +16,17 @@ constexpr double kWidthStep = 3.0;       ///< largest change of the feet's later
 
 static_assert(0.5 * kWidthStep < kMostLeft, "half of a change of the distance moves the middle of the feet");
 
-/// How the middle of the feet moves as a step turns the line between them (`opposite`) [m].
+/// The angle by which a step turns the line between the feet about the other foot, as much as their mean yaw [rad].
+/// @param yaw of the stepping foot after the step
+double turn_of_line(const Posture& from, Side side, double yaw) {
+  return 0.5 * wrap_angle(yaw - yaw_of(from.sole[side].R));
+}
+
+/// How the middle of the feet moves by that [m].
 Vec2 moved_by_turn(const GuideContext& context, const Goal& step) {
   if (!step.swing) return Vec2::Zero();
   const Side side = *step.swing;
-  const double turn = 0.5 * wrap_angle(yaw_of(step.sole[side].R) - yaw_of(context.from.sole[side].R));
+  const double turn = turn_of_line(context.from, side, yaw_of(step.sole[side].R));
   const Vec2 from_stance = (step.com - context.from.sole[other(side)].p).head<2>() + context.com_offset;
   return from_stance - Eigen::Rotation2Dd(-turn) * from_stance;
 }
@@ -138,7 +144,7 @@ Vec2 Guide::opposite(const GuideContext& context, Side side, const Vec2& target,
   const double band = same_place();
   const double narrows = std::clamp(beyond(wide, band), -kWidthStep * band, kWidthStep * band);
   // The line between the feet turns with them.
-  const Eigen::Rotation2Dd turn(0.5 * wrap_angle(yaw - yaw_of(from.sole[side].R)));
+  const Eigen::Rotation2Dd turn(turn_of_line(from, side, yaw));
   return stance + turn * Vec2(2.0 * (target - stance)) - narrows * outward;
 }
 

@@ -3,7 +3,6 @@
 /// may be in their way.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -152,8 +152,8 @@ class RemoteRobot : public Robot {
   std::chrono::steady_clock::time_point rejecting_since_;
   std::string rejection_, damped_because_;
   FollowCheck follow_;
-  double quickest_ =
-      std::numeric_limits<double>::infinity();  ///< least difference of this end's clock to measurements [s]
+  /// This end's clock less the measurement's, for the quickest measurement of the last seconds [s].
+  double quickest_ = std::numeric_limits<double>::infinity();
   double late_ = 0.0;
   std::function<void()> meanwhile_;
 };
