@@ -69,17 +69,18 @@ sanitize: setup-test ## build with the sanitizers and run the C++ tests
 	cmake --build --preset sanitize
 	ctest --preset sanitize -j$(JOBS)
 
-sanitize-fast: setup-test ## the same for the tests of test-fast
+# Of the tests that are run for both bipeds, those with the second find nothing more here, and take as long.
+sanitize-fast: setup-test ## the same for the tests of test-fast, with mighty alone
 	$(call forget,build/sanitize)
 	cmake --preset sanitize
 	cmake --build --preset sanitize --target baton_tests
-	ctest --preset sanitize -j$(JOBS) -LE slow
+	ctest --preset sanitize -j$(JOBS) -LE slow -E /scaled
 
 sanitize-threads: setup-test ## build with the thread sanitizer and run the tests of what has threads
 	$(call forget,build/thread)
 	cmake --preset thread
 	cmake --build --preset thread --target baton_tests
-	ctest --preset thread -j$(JOBS)
+	ctest --preset thread -j$(JOBS) -E /scaled
 
 # What is found new goes to build/fuzz/corpus, for the next run; an input that is a finding to build/fuzz/found-*.
 fuzz: setup-dev ## fuzz the readers of files and messages (FUZZ_SECONDS=60 each; needs clang)
