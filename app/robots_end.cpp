@@ -17,8 +17,12 @@ void obey(const std::string& line, link::RobotServer& server, const std::functio
     server.damp("by the robot's own key");
   } else if (line == "a" || line == "arm") {
     server.arm();
+  } else if (line == "f" || line.starts_with("f ")) {
+    server.set_fault(line.size() > 2 ? line.substr(2) : "");
   } else if (!line.empty() && !key(line)) {
-    spdlog::warn("type d (damp: the motors only brake) or a (arm again), each with Enter");
+    spdlog::warn(
+        "type d (damp: the motors only brake), a (arm again), f TEXT (report a fault) or f (it is over), each "
+        "with Enter");
   }
 }
 

@@ -8,7 +8,8 @@
 
 namespace baton::app {
 
-/// Serves drivers until the program is interrupted, and obeys d (damp) and a (arm) typed at the terminal.
+/// Serves drivers until the program is interrupted, and obeys d (damp), a (arm), f TEXT (there is a fault) and f
+/// (there is none) typed at the terminal.
 /// @param between called between two messages
 /// @param key called with any other line that is typed; returns whether it means something
 void serve_drivers(

@@ -97,6 +97,14 @@ std::string JsonReader::text() const {
   return json_->get<std::string>();
 }
 
+std::map<std::string, std::string> JsonReader::texts() const {
+  if (!json_->is_object()) fail("an object of texts");
+  std::map<std::string, std::string> all;
+  for (const auto& [name, value] : json_->items())
+    all[name] = at(name.c_str()).text();
+  return all;
+}
+
 std::string JsonReader::one_of(std::initializer_list<std::string_view> words) const {
   std::string all;
   for (const std::string_view word : words) {

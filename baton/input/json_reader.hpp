@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <initializer_list>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -40,6 +41,8 @@ class JsonReader {
   /// @param size required size; none: any but 0
   [[nodiscard]] std::vector<JsonReader> list(std::optional<std::size_t> size = std::nullopt) const;
   [[nodiscard]] std::string text() const;
+  /// The members of an object, each a text.
+  [[nodiscard]] std::map<std::string, std::string> texts() const;
   [[nodiscard]] std::string one_of(std::initializer_list<std::string_view> words) const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] double number() const;

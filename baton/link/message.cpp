@@ -115,6 +115,10 @@ std::string dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::vector<double> listed(const VecX& v) {
+  return {v.begin(), v.end()};
+}
+
 /// Reads JSON; what is wrong with it is the other end's fault.
 template <typename Read>
 auto from_json(const char* what, const std::string& body, const Read& read) {
@@ -200,7 +204,7 @@ std::optional<Message> Stream::next() {
   const auto type = static_cast<std::uint8_t>(bytes_[sizeof length]);
   if (length > kLongest)
     throw Malformed(fmt::format("a message of {} bytes: must be at most {}; is this a baton link?", length, kLongest));
-  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::arms))
+  if (type < static_cast<std::uint8_t>(Type::hello) || type > static_cast<std::uint8_t>(Type::fault))
     throw Malformed(fmt::format("a message of unknown type {}; is this a baton link?", type));
   if (bytes_.size() < kHead + length) return std::nullopt;
   Message message{static_cast<Type>(type), bytes_.substr(kHead, length)};
@@ -213,25 +217,32 @@ std::string encode(const Hello& hello) {
 }
 
 std::string encode(const Welcome& welcome) {
-  return dumped({{"baton", welcome.version},
-                 {"role", text_of(welcome.role)},
-                 {"robot", welcome.robot},
-                 {"joints", welcome.joints},
-                 {"period", welcome.period},
-                 {"lock_step", welcome.lock_step},
-                 {"on", welcome.on},
-                 {"world", welcome.world},
-                 {"follows", welcome.navigates ? "commands" : "targets"}});
+  Json json = {{"baton", welcome.version},
+               {"role", text_of(welcome.role)},
+               {"robot", welcome.robot},
+               {"joints", welcome.joints},
+               {"period", welcome.period},
+               {"lock_step", welcome.lock_step},
+               {"on", welcome.on},
+               {"world", welcome.world},
+               {"follows", welcome.navigates ? "commands" : "targets"}};
+  if (welcome.limits) {
+    json["limits"] = {{"lower", listed(welcome.limits->lower)},
+                      {"upper", listed(welcome.limits->upper)},
+                      {"speed", listed(welcome.limits->speed)},
+                      {"torque", listed(welcome.limits->torque)}};
+  }
+  if (!welcome.settings.empty()) json["settings"] = welcome.settings;
+  return dumped(json);
 }
 
 std::string encode(const Start& start) {
-  const auto list = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
-  Json json = {{"drive", start.drive}, {"kp", list(start.kp)}, {"kd", list(start.kd)}};
+  Json json = {{"drive", start.drive}, {"kp", listed(start.kp)}, {"kd", listed(start.kd)}};
   if (start.navigation) {
     const Modes& modes = start.navigation->modes;
-    json["duration"] = modes.duration == DurationRule::search ? "search" : "paper";
-    json["gait"] = modes.gait == Gait::stop ? "stop" : "flow";
-    json["on_limit"] = modes.on_limit == OnLimit::discard ? "discard" : "shrink";
+    json["duration"] = to_string(modes.duration);
+    json["gait"] = to_string(modes.gait);
+    json["on_limit"] = to_string(modes.on_limit);
     json["state"] = to_string(start.navigation->source);
     json["hangs"] = start.navigation->hangs;
   }
@@ -341,6 +352,16 @@ Welcome decode_welcome(const std::string& body) {
     if (reader.has("on")) welcome.on = reader.at("on").one_of({"sim", "ideal", "real"});
     if (reader.has("world")) welcome.world = text_in(reader.at("world"));
     if (reader.has("follows")) welcome.navigates = reader.at("follows").one_of({"targets", "commands"}) == "commands";
+    if (reader.has("settings")) {
+      for (const auto& [name, value] : reader.at("settings").texts())
+        welcome.settings[printable(name)] = printable(value);
+    }
+    if (reader.has("limits")) {
+      const JsonReader limits = reader.at("limits");
+      const auto joints = static_cast<Eigen::Index>(welcome.joints.size());
+      welcome.limits = {limits.at("lower").vector(joints), limits.at("upper").vector(joints),
+                        limits.at("speed").vector(joints), limits.at("torque").vector(joints)};
+    }
     return welcome;
   });
 }

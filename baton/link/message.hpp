@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,7 @@ enum class Type : std::uint8_t {
   command,
   tick,
   arms,
+  fault,
 };
 
 struct Message {
@@ -72,17 +74,26 @@ struct Hello {
   Role role = Role::drive;
 };
 
+/// Limits of a robot's joints.
+struct JointLimits {
+  VecX lower, upper;  ///< (n) [rad]
+  VecX speed;         ///< without load (n) [rad/s]
+  VecX torque;        ///< at standstill (n) [N·m]
+};
+
 /// The robot, as it introduces itself.
 struct Welcome {
   int version = kVersion;
   std::string robot;
-  std::vector<std::string> joints;  ///< in the order of all vectors
-  double period = 0.0;              ///< of a tick [s]
-  bool lock_step = true;            ///< each tick waits for its target
-  std::string on = "real";          ///< sim, ideal or real
-  std::string world;                ///< in which a simulated robot stands; "": unknown
-  bool navigates = false;           ///< follows commands, by a navigator of its own; else targets for the joints
-  Role role = Role::drive;          ///< what the robot has understood: `drive` or `observe`
+  std::vector<std::string> joints;      ///< in the order of all vectors
+  double period = 0.0;                  ///< of a tick [s]
+  bool lock_step = true;                ///< each tick waits for its target
+  std::string on = "real";              ///< sim, ideal or real
+  std::string world;                    ///< in which a simulated robot stands; "": unknown
+  bool navigates = false;               ///< follows commands, by a navigator of its own; else targets for the joints
+  Role role = Role::drive;              ///< what the robot has understood: `drive` or `observe`
+  std::optional<JointLimits> limits{};  ///< none: unknown
+  std::map<std::string, std::string> settings{};  ///< of a simulator, for recordings
 };
 
 /// How a robot that navigates by itself is to do so.
@@ -132,9 +143,9 @@ struct StickPosition {
 
 /// What a robot that navigates by itself has done in a tick: all that its navigator's output depends on.
 struct Tick {
-  Reading reading;                      ///< its sequence is the tick's number, from 0
-  Command command;                      ///< that was followed
-  bool stale = false;                   ///< the driver's was too old to be followed
+  Reading reading;     ///< its sequence is the tick's number, from 0
+  Command command;     ///< that was followed
+  bool stale = false;  ///< the driver's was not followed: too old, or something is wrong with the robot
   std::vector<PlanningEvent> planning;  ///< after the tick, in order; at most `kMostPlanning`
   VecX target;                          ///< joint angles that the navigator gave out: `commanded` [rad]
 
@@ -153,7 +164,7 @@ struct Tick {
 [[nodiscard]] std::string encode(const Tick& tick);
 /// What drives the arms of a robot that navigates by itself.
 [[nodiscard]] std::string encode(const ArmTargets& targets);
-/// Why the robot was damped, or a target rejected.
+/// Why the robot was damped, or a target rejected; what is wrong with the robot.
 [[nodiscard]] std::string encode_text(const std::string& text);
 
 /// The bodies of messages. All numbers of JSON are finite, all vectors have the stated length.

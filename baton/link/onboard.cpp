@@ -20,7 +20,7 @@ Onboard::Onboard(const RobotModel& model, const World& world, Robot& robot, Para
 
 const Tick& Onboard::step(double battery) {
   const bool was_stale = tick_.stale;
-  tick_.stale = stick_ && !parameters_.lock_step && age(*stick_) > kFresh;
+  tick_.stale = held_ || (stick_ && !parameters_.lock_step && age(*stick_) > kFresh);
   tick_.command = stick_ && !tick_.stale ? stick_->command : Command{};
   if (tick_.stale && !was_stale) session_.drive_arms(released_arms(*model_));
   tick_.planning.clear();
@@ -31,6 +31,7 @@ const Tick& Onboard::step(double battery) {
 }
 
 void Onboard::drive_arms(const ArmTargets& targets) {
+  if (held_) throw InputError("something is wrong with the robot, so nothing drives the arms");
   if (tick_.stale) throw InputError("the stick's positions are too old, so nothing drives the arms");
   session_.drive_arms(targets);
 }

@@ -36,6 +36,8 @@ class Onboard : private Sink {
   void drive_arms(const ArmTargets& targets);
   /// So much time has passed without ticks: what the driver knew of before is older by that [s].
   void lose(double time);
+  /// While `held`, the stick counts as centred, and nothing drives the arms.
+  void hold(bool held) { held_ = held; }
   /// There is no driver any more.
   void driver_gone();
 
@@ -48,11 +50,12 @@ class Onboard : private Sink {
 
   /// Ticks so far.
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
-  /// Whether the stick was too old to be followed in the last of them.
+  /// Whether the stick was not followed in the last of them: too old, or on hold.
   [[nodiscard]] bool stale() const { return tick_.stale; }
   /// Whether the robot is at rest on both feet.
   [[nodiscard]] bool rests() const;
   [[nodiscard]] const Session& session() const { return session_; }
+  [[nodiscard]] Session& session() { return session_; }
 
  private:
   /// How long ago the newest tick was that its driver knew of [s].
@@ -64,6 +67,7 @@ class Onboard : private Sink {
   Parameters parameters_;
   Session session_;
   std::optional<StickPosition> stick_;
+  bool held_ = false;
   double lost_ = 0.0;          ///< time that was left out since the tick that the stick's driver knew of [s]
   std::uint64_t lost_at_ = 0;  ///< ticks before the last of it
   Tick tick_;

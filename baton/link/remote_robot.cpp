@@ -21,12 +21,47 @@ constexpr double kForgets = 2.0;       ///< time constant of the quickest measur
 constexpr double kBehind = 0.02;       ///< delay from which measurements do not tell whether the robot follows [s]
 constexpr double kNotFollowing = 0.1;  ///< time of rejected targets after which it follows no longer [s]
 
+/// In what the limits of a model are wider than those of the robot; "": in nothing.
+std::string wider_limits(const RobotModel& model, const JointLimits& robots) {
+  constexpr double kRounded = 1e-3;  ///< relative difference up to which limits are the same, rounded numbers
+  for (std::size_t i = 0; i < model.joints().size(); ++i) {
+    const Joint& joint = model.joints()[i];
+    const auto at = static_cast<Eigen::Index>(i);
+    const auto wider = [&](const char* what, double limit, double models, bool higher) {
+      const double room = kRounded * std::max(1.0, std::abs(limit));
+      if (higher ? models <= limit + room : models >= limit - room) return std::string();
+      return fmt::format("has {:.6g} as {} of {}, the model {:.6g}: must not be beyond the robot's", limit, what,
+                         joint.name, models);
+    };
+    for (const std::string& difference : {wider("lowest angle", robots.lower[at], joint.position.lo, false),
+                                          wider("highest angle", robots.upper[at], joint.position.hi, true),
+                                          wider("no-load speed", robots.speed[at], joint.motor.no_load, true),
+                                          wider("stall torque", robots.torque[at], joint.motor.stall, true)}) {
+      if (!difference.empty()) return difference;
+    }
+  }
+  return "";
+}
+
 bool same_bits(const VecX& a, const VecX& b) {
   return a.size() == b.size() &&
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
 }  // namespace
+
+JointLimits limits_of(const RobotModel& robot) {
+  const auto each = [&](auto value) {
+    VecX all(robot.nv() - 6);
+    for (Eigen::Index i = 0; i < all.size(); ++i)
+      all[i] = value(robot.joints()[static_cast<std::size_t>(i)]);
+    return all;
+  };
+  return {each([](const Joint& joint) { return joint.position.lo; }),
+          each([](const Joint& joint) { return joint.position.hi; }),
+          each([](const Joint& joint) { return joint.motor.no_load; }),
+          each([](const Joint& joint) { return joint.motor.stall; })};
+}
 
 Start start_of(const RobotModel& robot) {
   Start start{std::string(to_string(robot.profile().drive)), VecX(robot.nv() - 6), VecX(robot.nv() - 6)};
@@ -54,6 +89,10 @@ void check_robot(const RobotModel& model, const std::string& world, const Welcom
   }
   if (std::abs(welcome.period - profile.tick.period) > 1e-9)
     because(fmt::format("has a tick of {} s: must be {} s", welcome.period, profile.tick.period));
+  if (welcome.limits) {
+    const std::string wider = wider_limits(model, *welcome.limits);
+    if (!wider.empty()) because(wider);
+  }
   if (!welcome.world.empty() && welcome.world != world)
     throw InputError(fmt::format("--world {}: the robot at {} stands in '{}'", world, from.text(), welcome.world));
 }
@@ -220,6 +259,9 @@ bool RemoteRobot::take(const Message& message) {
       return false;
     case Type::damp:
       damped_because_ = decode_text(message.body);
+      return false;
+    case Type::fault:
+      fault_ = decode_text(message.body);
       return false;
     case Type::arms:
       take_arms(message);

@@ -21,12 +21,15 @@
 
 namespace baton::link {
 
+/// Limits of the joints of a model.
+[[nodiscard]] JointLimits limits_of(const RobotModel& robot);
+
 /// The servos that the driver of a robot counts on: those of its profile.
 [[nodiscard]] Start start_of(const RobotModel& robot);
 
 /// @param from where it is
 /// @throws LinkError it speaks another version
-/// @throws InputError it is another robot than `model`, with other joints, or in another world
+/// @throws InputError it is another robot than `model`, with other joints or narrower limits, or in another world
 void check_robot(const RobotModel& model, const std::string& world, const Welcome& welcome, const Address& from);
 
 class RemoteRobot : public Robot {
@@ -99,6 +102,8 @@ class RemoteRobot : public Robot {
   [[nodiscard]] bool damped() const { return reading_.damped; }
   /// Why, as far as the robot has said so.
   [[nodiscard]] const std::string& damped_because() const { return damped_because_; }
+  /// What is wrong with the robot, as it says; "": nothing.
+  [[nodiscard]] const std::string& fault() const { return fault_; }
   /// Targets that the robot has rejected, and why the last one was.
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] const std::string& rejection() const { return rejection_; }
@@ -150,7 +155,7 @@ class RemoteRobot : public Robot {
   long in_a_row_ = 0;          ///< of these, the latest, with none in between that was followed
   bool rejected_now_ = false;  ///< since the last measurement
   std::chrono::steady_clock::time_point rejecting_since_;
-  std::string rejection_, damped_because_;
+  std::string rejection_, damped_because_, fault_;
   FollowCheck follow_;
   /// This end's clock less the measurement's, for the quickest measurement of the last seconds [s].
   double quickest_ = std::numeric_limits<double>::infinity();

@@ -228,6 +228,8 @@ void RobotServer::welcome(Peer& peer, Role role) {
   welcome.on = parameters_.on;
   welcome.world = parameters_.world;
   welcome.navigates = parameters_.navigates_in != nullptr;
+  welcome.limits = limits_of(*model_);
+  welcome.settings = parameters_.settings;
   tell(peer, framed(Type::welcome, encode(welcome)));
   peer.welcomed = true;  // `serve` makes it the driver or observer
 }
@@ -256,6 +258,10 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
       return refuse(peer, "posture", error.what());
     }
   }
+  if (onboard_) {
+    onboard_->hold(!fault_.empty());
+    parameters_.began(*onboard_, start.navigation.value_or(NavigationOptions{}));
+  }
   stale_ = false;
   peer.started = true;
   reading_ = {};
@@ -268,6 +274,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   runs_ = true;
   due_ = parameters_.now() + period();
   parameters_.log("a driver has taken over");
+  if (!fault_.empty()) tell_fault(peer);
   send_reading(peer);
   if (!onboard_) show();  // else the first tick does
   return true;
@@ -398,14 +405,17 @@ void RobotServer::report() {
 }
 
 void RobotServer::log_changes() {
-  if (driver_ && std::exchange(stale_, onboard_->stale()) != onboard_->stale())
+  if (driver_ && fault_.empty() && std::exchange(stale_, onboard_->stale()) != onboard_->stale())
     parameters_.log(onboard_->stale() ? fmt::format("link: the stick's positions are more than {} s old: comes to rest",
                                                     Onboard::kFresh)
                                       : "link: the stick counts again");
   const auto* changed = find_event<GuardChanged>(onboard_->session().navigator().events());
   if (changed != nullptr) parameters_.log(std::string(text_of(changed->to)));
   const bool rests = !driver_ && resting();
-  if (rests && !rest_logged_) parameters_.log("at rest, without a driver");
+  if (rests && !std::exchange(rest_logged_, rests)) {
+    parameters_.log("at rest, without a driver");
+    parameters_.ended();
+  }
   rest_logged_ = rests;
 }
 
@@ -457,6 +467,7 @@ void RobotServer::advance_remote() {
     if (remote.read().t != reading_.measurement.t) look();
   }
   if (remote.damped()) damp("at its own end: " + remote.damped_because());
+  if (remote.fault() != remote_fault_) set_fault(remote_fault_ = remote.fault());
   const std::string why = remote.damped() ? "" : remote.follows_no_longer();
   if (!driver_ || why.empty()) return;
   try {
@@ -535,6 +546,7 @@ void RobotServer::drop_driver(const std::string& why) {
   if (!why.empty()) parameters_.log("driver lost: " + why);
   driver_.reset();
   if (onboard_) onboard_->driver_gone();
+  if (onboard_ && !parameters_.real_time) parameters_.ended();
   if (state_ == State::driven) state_ = State::waiting;
 }
 
@@ -548,6 +560,7 @@ void RobotServer::damp(const std::string& because) {
   state_ = State::damped;
   damped_because_ = because;
   parameters_.log("damped: " + because);
+  parameters_.ended();
   if (driver_) {
     try {
       tell(*driver_, framed(Type::damp, encode_text(because)));
@@ -560,6 +573,22 @@ void RobotServer::damp(const std::string& because) {
   } catch (const LinkError& error) {  // its next measurement does not come, which ends this end
     parameters_.log(fmt::format("the robot could not be told: {}", error.what()));
   }
+}
+
+void RobotServer::set_fault(const std::string& fault) {
+  if (fault == fault_) return;
+  fault_ = fault;
+  parameters_.log(fault.empty() ? "fault over: the stick counts again" : "fault: " + fault + ": comes to rest");
+  if (onboard_) onboard_->hold(!fault.empty());
+  if (!driver_ || !driver_->started) return;
+  try {
+    tell_fault(*driver_);
+  } catch (const LinkError&) {  // `serve` finds that out, too
+  }
+}
+
+void RobotServer::tell_fault(Peer& peer) {
+  tell(peer, framed(Type::fault, encode_text(fault_)));
 }
 
 void RobotServer::arm() {

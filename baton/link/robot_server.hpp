@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ class RobotServer {
     std::string token{};  ///< that drivers must know; "": none, which is accepted on a loopback address alone
     std::string on = "sim";
     std::string world{};
+    std::map<std::string, std::string> settings{};  ///< of a simulator, for its driver's recording
     bool real_time = false;  ///< goes on by the clock, whether or not a target has come; else waits for each
     /// World in which it navigates by itself, and follows commands; null: it follows targets for the joints.
     const World* navigates_in = nullptr;
@@ -41,6 +43,9 @@ class RobotServer {
     /// Sets the servos as a driver counts on them; says why if it cannot. Without it they are those of the profile, and
     /// no others.
     std::function<std::optional<std::string>(const Start&)> set_servos{};
+    /// A navigator at this end has been started by a driver; `ended`: nobody drives it, and it rests or is damped.
+    std::function<void(Onboard&, const NavigationOptions&)> began = [](Onboard&, const NavigationOptions&) {};
+    std::function<void()> ended = [] {};
     std::function<Clock::time_point()> now = Clock::now;
     std::function<void(const std::string&)> log = [](const std::string&) {};
   };
@@ -70,6 +75,10 @@ class RobotServer {
   /// The motors only brake from now on, whatever a driver says.
   /// @param because one line, for the log and the driver
   void damp(const std::string& because);
+  /// Says what is wrong with the robot. Until nothing is, the stick counts as centred, so the robot comes to rest; who
+  /// drives is told.
+  /// @param fault one line; "": nothing
+  void set_fault(const std::string& fault);
   /// Ends that. Who drove has to begin anew. A robot that is `remote` has to be armed at its own end before.
   void arm();
 
@@ -118,6 +127,7 @@ class RobotServer {
   /// Tells the observer what was measured.
   void show();
   void brake();
+  void tell_fault(Peer& peer);
   /// Logs what the navigator at this end has done in a tick, as far as somebody beside the robot wants to know it.
   void log_changes();
   [[nodiscard]] Clock::duration period() const;
@@ -156,7 +166,8 @@ class RobotServer {
   TargetCheck check_;
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent
-  std::string damped_because_;
+  std::string damped_because_, fault_;
+  std::string remote_fault_;  ///< the last that the robot that is `remote` has reported
   bool stale_ = false;        ///< that the stick was has been logged
   bool rest_logged_ = false;  ///< that it rests without a driver has been logged
   bool retired_ = false;

@@ -1,6 +1,8 @@
 /// Planning modes of a run.
 #pragma once
 
+#include <string_view>
+
 #include "baton/plan/planner.hpp"
 
 namespace baton {
@@ -22,5 +24,16 @@ struct Modes {
   OnLimit on_limit = OnLimit::shrink;
   Gait gait = Gait::flow;
 };
+
+/// The words for them in options, messages and files.
+constexpr std::string_view to_string(DurationRule rule) {
+  return rule == DurationRule::search ? "search" : "paper";
+}
+constexpr std::string_view to_string(OnLimit on_limit) {
+  return on_limit == OnLimit::discard ? "discard" : "shrink";
+}
+constexpr std::string_view to_string(Gait gait) {
+  return gait == Gait::stop ? "stop" : "flow";
+}
 
 }  // namespace baton

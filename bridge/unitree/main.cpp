@@ -19,6 +19,7 @@
 #include "baton/link/token.hpp"
 #include "baton/model/error.hpp"
 #include "bridge/unitree/low_level.hpp"
+#include "bridge/unitree/reading.hpp"
 #include "bridge/unitree/remote.hpp"
 
 namespace baton::unitree {
@@ -189,6 +190,7 @@ int serve(const Options& o) {
     server.serve(kTurn);
     tell(low_level);
     agree(low_level, server);
+    server.set_fault(low_level.with_motors([](const Motors& motors) { return fault_of(motors.heard()->state); }));
     say_who_decides(low_level, state);
     if (const std::optional<std::string> line = keyboard.next()) obey(*line, low_level, server);
   }

@@ -1,8 +1,13 @@
 #include "bridge/unitree/reading.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 #include "bridge/unitree/joints.hpp"
 
@@ -16,6 +21,25 @@ constexpr float kStrongest = 500.0F;  ///< torque [N·m]
 constexpr float kHardest = 500.0F;    ///< specific force [m/s²]
 constexpr double kNorm = 0.02;        ///< of the quaternion, from 1
 
+constexpr std::array<std::pair<std::uint32_t, std::string_view>, 16> kFaults{{
+    {0x1, "overcurrent"},
+    {0x2, "short overvoltage"},
+    {0x4, "lasting overvoltage"},
+    {0x8, "short undervoltage"},
+    {0x10, "chip too hot"},
+    {0x20, "power stage too hot or too cold"},
+    {0x40, "implausible temperature of the power stage"},
+    {0x80, "housing too hot or too cold"},
+    {0x100, "implausible temperature of the housing"},
+    {0x200, "winding too hot"},
+    {0x400, "rotor encoder 1 fails"},
+    {0x800, "rotor encoder 2 fails"},
+    {0x1000, "output encoder fails"},
+    {0x2000, "calibration data are damaged"},
+    {0x4000, "it has restarted"},
+    {0x8000, "it is locked"},
+}};
+
 /// False for NaN, too.
 bool within(float value, float limit) {
   return std::abs(value) <= limit;
@@ -26,6 +50,15 @@ Eigen::Quaterniond attitude_of(const ImuState& imu) {
 }
 
 }  // namespace
+
+std::string fault_of(const LowState& state) {
+  for (std::size_t i = 0; i < kJoints.size(); ++i) {
+    for (const auto& [bit, what] : kFaults) {
+      if ((state.motors[i].motorstate & bit) != 0) return fmt::format("{}: {} (0x{:x})", kJoints[i], what, bit);
+    }
+  }
+  return "";
+}
 
 std::optional<std::string> doubt(const LowState& state) {
   if (state.crc != checksum(state)) return "wrong checksum";

@@ -1,4 +1,5 @@
 /// What is read of the messages of a Unitree G1.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -139,6 +140,25 @@ TEST(UnitreeReading, WhatNoSensorGivesIsDoubted) {
   state.imu.quaternion = {};
   seal(state);
   EXPECT_TRUE(doubt(state));
+}
+
+TEST(UnitreeReading, NamesTheMotorThatReportsAFault) {
+  Random random(7);
+  constexpr std::uint32_t kNoFaults = 0xfffe0000;  // calibration mode, version, nobody talks to it
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    for (std::size_t motor = 0; motor < kSlots; ++motor) {
+      LowState state = state_at(random, 1);
+      ASSERT_EQ(fault_of(state), "");
+      state.motors[motor].motorstate = 1U << bit;
+      const std::string fault = fault_of(state);
+      if (motor >= kJoints.size() || ((1U << bit) & kNoFaults) == 1U << bit || bit == 16) {
+        ASSERT_EQ(fault, "") << bit << " of " << motor;
+      } else {
+        ASSERT_THAT(
+            fault, AllOf(HasSubstr(std::string(kJoints[motor]) + ": "), HasSubstr(fmt::format("(0x{:x})", 1U << bit))));
+      }
+    }
+  }
 }
 
 TEST(UnitreeRemote, DampsWithEitherPairOfButtonsWhateverElseIsPressed) {

@@ -257,6 +257,20 @@ TEST(LinkMessage, HandshakesSurviveTheWayAndSayWhatIsWrong) {
   EXPECT_EQ(welcome.joints, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(welcome.period, 0.005);
   EXPECT_EQ(welcome.world, "room");
+  EXPECT_FALSE(welcome.limits);
+  Welcome limited{1, "r", {"a", "b"}, 0.005, true, "real", "flat"};
+  limited.limits = {VecX::Random(2), VecX::Random(2), VecX::Random(2), VecX::Random(2)};
+  const Welcome found = decode_welcome(encode(limited));
+  ASSERT_TRUE(found.limits);
+  EXPECT_EQ(found.limits->lower, limited.limits->lower);
+  EXPECT_EQ(found.limits->upper, limited.limits->upper);
+  EXPECT_EQ(found.limits->speed, limited.limits->speed);
+  EXPECT_EQ(found.limits->torque, limited.limits->torque);
+  limited.settings = {{"plant", "real"}, {"scenario", "push\n"}};
+  EXPECT_EQ(decode_welcome(encode(limited)).settings,
+            (std::map<std::string, std::string>{{"plant", "real"}, {"scenario", "push "}}));
+  limited.limits->speed.resize(1);
+  EXPECT_THROW((void)decode_welcome(encode(limited)), Malformed);
 
   const Start start = decode_start(encode(Start{"pd", Vec2(1, 2), Vec2(3, 4)}), 2);
   EXPECT_EQ(start.kd[1], 4.0);

@@ -182,6 +182,46 @@ TEST_P(OnboardTest, AStickCountsForHalfASecondAndAgainWhenItIsFresh) {
   served->at_the_robot([](RobotServer& server) { EXPECT_FALSE(server.onboard()->session().resting()); });
 }
 
+TEST_P(OnboardTest, AFaultBringsTheRobotToRestForWhoeverDrivesUntilItIsOver) {
+  for (const bool lock_step : {false, true}) {
+    const auto served =
+        lock_step ? std::make_unique<Served>(robot_, Plant{}, "", Served::Pace::lock_step, true) : in_real_time(1);
+    Command ahead;
+    ahead.axes[0] = 1.0;
+    Echo echo(robot_, *served);
+    const auto drive = [&](double time) {
+      for (int k = 0; k < ticks(time); ++k) {
+        if (!lock_step) served->pass(1);
+        echo.step(ahead);
+      }
+    };
+    drive(1.0);
+    EXPECT_FALSE(echo.session().resting());
+    served->at_the_robot([](RobotServer& server) { server.set_fault("left knee: winding too hot"); });
+    echo.robot->drive_arms(arms());
+    drive(4.0);
+    EXPECT_TRUE(echo.session().resting());
+    EXPECT_EQ(echo.robot->fault(), "left knee: winding too hot");
+    EXPECT_EQ(echo.robot->rejected(), 1);
+    EXPECT_THAT(echo.robot->rejection(), HasSubstr("something is wrong with the robot"));
+    EXPECT_THAT(served->log(), HasSubstr("fault: left knee: winding too hot: comes to rest"));
+    served->at_the_robot([](RobotServer& server) { server.set_fault(""); });
+    drive(1.0);
+    EXPECT_EQ(echo.robot->fault(), "");
+    EXPECT_FALSE(echo.session().resting());
+  }
+  const auto served = in_real_time(1);
+  served->at_the_robot([](RobotServer& server) { server.set_fault("left knee: winding too hot"); });
+  Raw raw(served->address());
+  raw.send(Type::hello, hello());
+  EXPECT_EQ(raw.answer().type, Type::welcome);
+  raw.send(Type::start, encode(start_of(robot_)));
+  const Message fault = raw.answer();
+  EXPECT_EQ(fault.type, Type::fault);
+  EXPECT_EQ(decode_text(fault.body), "left knee: winding too hot");
+  EXPECT_EQ(raw.answer().type, Type::measurement);
+}
+
 TEST_P(OnboardTest, ACommandThatWasOvertakenIsIgnored) {
   const auto served = in_real_time(1);
   Raw raw(served->address());

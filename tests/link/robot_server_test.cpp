@@ -495,6 +495,36 @@ TEST_P(RobotServerTest, ARobotThatIsNotTheOneExpectedIsNotDriven) {
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.world = "room"; }), HasSubstr("stands in 'room'"));
 }
 
+TEST_P(RobotServerTest, ARobotWhoseLimitsAreNarrowerThanTheModelsIsNotDriven) {
+  const auto puppet_with = [&](const std::function<void(JointLimits&, Eigen::Index)>& change, Eigen::Index joint) {
+    Puppet puppet(robot_);
+    puppet.welcome.limits = limits_of(robot_);
+    change(*puppet.welcome.limits, joint);
+    return puppet.driven({puppet.measurement(0), puppet.measurement(1), puppet.measurement(2), puppet.measurement(3)});
+  };
+  for (Eigen::Index j = 0; j < n_; j += 3) {
+    const std::string of_it = " of " + robot_.joints()[static_cast<std::size_t>(j)].name + ", the model ";
+    EXPECT_EQ(puppet_with([](JointLimits&, Eigen::Index) {}, j), "");
+    EXPECT_EQ(puppet_with(
+                  [](JointLimits& limits, Eigen::Index i) {
+                    limits.lower[i] -= 0.1;
+                    limits.upper[i] += 0.1;
+                    limits.speed[i] *= 2.0;
+                    limits.torque[i] *= 2.0;
+                  },
+                  j),
+              "");
+    EXPECT_THAT(puppet_with([](JointLimits& limits, Eigen::Index i) { limits.lower[i] += 0.1; }, j),
+                HasSubstr(" as lowest angle" + of_it));
+    EXPECT_THAT(puppet_with([](JointLimits& limits, Eigen::Index i) { limits.upper[i] -= 0.1; }, j),
+                HasSubstr(" as highest angle" + of_it));
+    EXPECT_THAT(puppet_with([](JointLimits& limits, Eigen::Index i) { limits.speed[i] *= 0.9; }, j),
+                HasSubstr(" as no-load speed" + of_it));
+    EXPECT_THAT(puppet_with([](JointLimits& limits, Eigen::Index i) { limits.torque[i] *= 0.9; }, j),
+                HasSubstr(" as stall torque" + of_it));
+  }
+}
+
 TEST_P(RobotServerTest, ARobotThatBreaksTheProtocolIsNoticed) {
   const auto said = [&](const std::function<std::vector<std::string>(const Puppet&)>& messages, bool hangs_up = false,
                         Socket::Time silence = kLinkPatience) {

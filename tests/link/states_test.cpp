@@ -196,6 +196,8 @@ class RobotsStates : public testing::TestWithParam<bool> {
         {"bye", driver_says(Type::bye, "with a body")},
         {"connection closed", [](Case& now) { now.driver.reset(); }},
         {"another or malformed message", driver_says(Type::tick, "")},
+        {"another or malformed message", driver_says(Type::fault, encode_text("a knee"))},
+        {"fault by key", key([](RobotServer& server) { server.set_fault("a knee"); })},
         {"5 s pass", [](Case& now) { now.settle(1100); }},
         {"damped by key", key([](RobotServer& server) { server.damp("by the robot's own key"); })},
         {"armed by key", key([](RobotServer& server) { server.arm(); })},
@@ -386,7 +388,7 @@ class DriversStates : public testing::Test {
 
 TEST_F(DriversStates, AreThoseOfTheTable) {
   const Table table = table_with("greeting");
-  ASSERT_EQ(table.size(), 17U);
+  ASSERT_EQ(table.size(), 18U);
   const ArmTargets arms = released_arms(model_);
   for (const auto& row : table) {
     const std::string& event = row.first;
@@ -415,6 +417,7 @@ TEST_F(DriversStates, AreThoseOfTheTable) {
           {"arms that it has sent", framed(Type::arms, encode(arms))},
           {"other arms", framed(Type::arms, encode(ArmTargets{{"tail"}, {}, {}}))},
           {"damp", framed(Type::damp, encode_text("by key"))},
+          {"fault", framed(Type::fault, encode_text("left knee: winding too hot"))},
           {"bye", framed(Type::bye)},
           {"another or malformed message", framed(Type::measurement, "short")},
           {"connection closed", ""},

@@ -41,6 +41,7 @@ class Served {
                 {.listen = {"127.0.0.1", 0},
                  .token = token,
                  .world = "flat",
+                 .settings = {{"plant", "real"}},
                  .real_time = pace != Pace::lock_step,
                  .navigates_in = navigates ? &world_ : nullptr,
                  .now = [this] { return now_; },
