@@ -151,6 +151,8 @@ void add_robot(CLI::App& command, RobotOptions& o) {
   command.add_flag("--gantry", o.gantry,
                    "It hangs, its feet in the air. With --on: it takes its stance there first. With --sim --targets: "
                    "its joints are at zero; type l (lower) or r (raise) and Enter");
+  command.add_option("--record", o.record,
+                     "Folder: record each run of its navigator there (001.mcap, ...), whatever becomes of the driver");
   command
       .add_option("--listen", o.listen, "Where it waits for a driver; an address that others can reach needs --token")
       ->capture_default_str();

@@ -93,6 +93,7 @@ struct RobotOptions {
   std::string listen = "127.0.0.1:7447";
   std::optional<std::filesystem::path> token;     ///< file that holds what drivers must know
   std::optional<std::filesystem::path> on_token;  ///< file that holds what the robot at `on` wants to know
+  std::optional<std::filesystem::path> record;    ///< folder for a recording of each run
 };
 
 /// `baton bridge rcss`.

@@ -18,6 +18,7 @@
 #include "app/view.hpp"
 #include "baton/input/arm_script.hpp"
 #include "baton/model/error.hpp"
+#include "baton/model/input_file.hpp"
 #include "baton/record/json.hpp"
 
 namespace baton::app {
@@ -127,6 +128,9 @@ int drive(const DriveOptions& o) {
                            {"on_limit", o.modes.on_limit},
                            {"state", o.physics.state},
                            {"drive", std::string(to_string(robot.profile().drive))}};
+    for (const auto& [name, value] : remote ? remote->welcome().settings : plant_head(o.physics, on))
+      if (!head.contains(name)) head[name] = value;
+    if (o.calibration) head["calibration_sum"] = checksum(read_input(*o.calibration, "--calibration"));
     if (o.gantry) head["hangs"] = true;
     if (remote && !remote->starts_in_stance()) head["start"] = vector_json(parameters.start->q);
     outputs.record(session, *o.files.record, head, !o.fast, parameters.physics.plant.pushes);
@@ -191,11 +195,16 @@ int drive(const DriveOptions& o) {
       if (targets == nullptr) break;
       drive_arms(*targets);
     }
-    if (!step(stick)) break;
+    const bool follows = step(stick);
+    if (remote) {
+      for (const LinkNote& note : remote->notes())
+        outputs.note(note.what, note.text);
+    }
+    if (!follows) break;
     damp_if_asked();
     refusals.look(session.navigator());
     log_arms(session.navigator(), session.t());
-    if (view) view->show(simulation, inputs.status(), refusals);
+    if (view) view->show(simulation, inputs.status(), refusals, remote ? remote->notice() : "");
     const bool was_stuck = std::exchange(stuck, refusals.stuck().has_value());
     if (stuck && !was_stuck) say_what_leads_out(*refusals.stuck());
     if (session.fallen()) {

@@ -72,7 +72,7 @@ class Summary {
     ++counts_[message.channel];
     const mcap::Channel& channel = reader_->channels().at(message.channel);
     if (channel.topic == info(Topic::tick).topic) add_tick(message);
-    for (const Topic topic : {Topic::events, Topic::pushes, Topic::falls}) {
+    for (const Topic topic : {Topic::events, Topic::pushes, Topic::falls, Topic::link}) {
       if (channel.topic == info(topic).topic) add_event(topic, message);
     }
   }
@@ -89,21 +89,24 @@ class Summary {
     last_tick_ = message.sequence;
   }
 
-  static std::string event_in(const nlohmann::json& json) {
+  static std::string event_in(const nlohmann::json& json, const char* key) {
     if (!json.is_object()) return "event";
-    const auto named = json.find("event");
+    const auto named = json.find(key);
     return named != json.end() && named->is_string() ? named->get<std::string>() : "event";
   }
 
   /// Counts an event; shows those that are not of every step.
   void add_event(Topic topic, const mcap::Message& message) {
     const nlohmann::json json = parse_json(message.data, reader_->place());
-    const std::string name = topic == Topic::pushes ? "push" : topic == Topic::falls ? "fall" : event_in(json);
+    const std::string name = topic == Topic::pushes  ? "push"
+                             : topic == Topic::falls ? "fall"
+                             : topic == Topic::link  ? "link: " + event_in(json, "what")
+                                                     : event_in(json, "event");
     ++events_[name];
     if (name == "committed" || name == "ended") return;
     std::string details;
     for (const auto& [key, value] : json.items()) {
-      if (key != "event")
+      if (key != "event" && key != "what")
         details += fmt::format(" {} {}", key, value.is_string() ? value.get<std::string>() : value.dump());
     }
     shown_.push_back(
@@ -135,6 +138,9 @@ int show_info(const InfoOptions& o) {
   fmt::print("run       {} on {} in {}, seed {}\n", value("robot"), value("on"), value("world"), value("seed"));
   fmt::print("modes     duration {}, gait {}, on limit {}, state {}, drive {}\n", value("duration"), value("gait"),
              value("on_limit"), value("state"), value("drive"));
+  if (head.contains("plant"))
+    fmt::print("plant     {}{}\n", value("plant"),
+               head.contains("scenario") ? fmt::format(", scenario {} x {}", value("scenario"), value("times")) : "");
   fmt::print("made by   baton {}, MuJoCo {}; sums: model {}, world {}, profile {}\n", value("baton"), value("mujoco"),
              value("model_sum"), value("world_sum"), value("profile_sum"));
   Summary(reader).print();

@@ -43,6 +43,13 @@ std::string plant_name(const PhysicsOptions& options, const std::string& on) {
   return is_real(options, on) ? "real" : "model";
 }
 
+std::map<std::string, std::string> plant_head(const PhysicsOptions& options, const std::string& on) {
+  if (on != "sim") return {};
+  std::map<std::string, std::string> head{{"plant", plant_name(options, on)}};
+  if (options.scenario) head.insert({{"scenario", *options.scenario}, {"times", fmt::format("{}", options.times)}});
+  return head;
+}
+
 void check_times(const Scenario& scenario, double times) {
   if (scenario.deviate == nullptr && times != 1.0)
     throw InputError(fmt::format("--times {}: the scenario {} has no size that could be scaled", times, scenario.name));

@@ -1,6 +1,7 @@
 /// Option strings → values.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "app/commands.hpp"
@@ -30,6 +31,10 @@ namespace baton::app {
 
 /// The plant's name, real or model.
 [[nodiscard]] std::string plant_name(const PhysicsOptions& options, const std::string& on);
+
+/// Plant and scenario of a simulated robot, for the settings of a recording; nothing if it is ideal.
+/// @param on sim or ideal
+[[nodiscard]] std::map<std::string, std::string> plant_head(const PhysicsOptions& options, const std::string& on);
 
 /// Checks that a plant or scenario is only asked for in physics.
 /// @param on sim or ideal

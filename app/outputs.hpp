@@ -43,6 +43,12 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 /// Elapsed wall-clock time [s].
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
+/// What a run depends on beyond its settings: versions of programs, checksums of files. For the settings of a
+/// recording.
+/// @param robot as given to `--robot`
+/// @throws InputError a file cannot be read any more
+[[nodiscard]] nlohmann::json made_of(const std::string& robot, const RobotModel& model, const World& world);
+
 /// A recording of a session, for it to have as a sink. Warns once when it cannot be complete.
 /// @param head robot, world and modes of the run; what they were made of is added
 /// @param live the run is in real time
@@ -63,6 +69,11 @@ class Outputs {
   /// Also records the run, for `baton replay`: `recording_of`.
   void record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
               const std::vector<Push>& pushes);
+
+  /// Records something that happened outside the navigator, between the ends of a connection.
+  void note(const std::string& what, const std::string& text) {
+    if (recording_) recording_->note(what, text);
+  }
 
   /// Closes the recording, writes the report with the members of `extra` and what became of the recording added,
   /// closes the trace, and returns the report.

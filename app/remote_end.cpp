@@ -17,9 +17,10 @@
 namespace baton::app {
 namespace {
 
-constexpr double kSettled = 0.5;  ///< time of rest after which a robot has taken its stance, or cannot [s]
-constexpr double kLate = 0.1;     ///< delay of measurements from which the stick counts as centred [s]
-constexpr double kLow = 0.2;      ///< charge of a battery of which the driver is warned
+constexpr double kSettled = 0.5;          ///< time of rest after which a robot has taken its stance, or cannot [s]
+constexpr double kLate = 0.1;             ///< delay of measurements from which the stick counts as centred [s]
+constexpr double kLow = 0.2;              ///< charge of a battery of which the driver is warned
+constexpr std::size_t kMostNotes = 1000;  ///< in the report
 
 }  // namespace
 
@@ -82,15 +83,17 @@ bool RemoteEnd::step(Session& session, const std::function<Command()>& stick) {
       session.step(followed);
     } else {
       const Command command = stick();
-      session.step(late_ ? Command{} : command);
-      look_late(session);
+      session.step(held_ ? Command{} : command);
+      look_held(session);
     }
+    t_ = session.t();
+    look_fault();
     if (engaging_) look_engaged(session);
     if (hangs_) look_lifted(session);
     warn();
-    if (const std::string why = remote_->follows_no_longer(); !why.empty()) broken_ = why;
+    if (const std::string why = remote_->follows_no_longer(); !why.empty()) end(why);
   } catch (const LinkError& error) {
-    broken_ = error.what();
+    end(error.what());
   }
   return broken_.empty();
 }
@@ -100,7 +103,7 @@ void RemoteEnd::drive_arms(Session& session, const ArmTargets& targets) {
   try {
     remote_->drive_arms(targets);
   } catch (const LinkError& error) {
-    broken_ = error.what();
+    end(error.what());
   }
 }
 
@@ -118,16 +121,50 @@ void RemoteEnd::meanwhile(std::function<void()> passing) {
   remote_->meanwhile(std::move(passing));
 }
 
-void RemoteEnd::look_late(Session& session) {
+void RemoteEnd::note(bool warning, const char* what, const std::string& text) {
+  spdlog::log(warning ? spdlog::level::warn : spdlog::level::info, "{}", text);
+  new_notes_.push_back({t_, what, text});
+  if (notes_.size() < kMostNotes) notes_.push_back(new_notes_.back());
+}
+
+void RemoteEnd::end(const std::string& why) {
+  if (!broken_.empty()) return;
+  broken_ = why;  // logged as the reason of the run's end
+  new_notes_.push_back({t_, remote_->damped() ? "damped" : "broken", why});
+  notes_.push_back(new_notes_.back());
+}
+
+void RemoteEnd::look_held(Session& session) {
+  look_late();
+  const bool was_held = std::exchange(held_, late_ || !remote_->fault().empty());
+  if (held_ && !was_held) session.drive_arms(released_arms(*model_));
+}
+
+void RemoteEnd::look_late() {
   const bool was_late = std::exchange(late_, remote_->late() > kLate);
   if (late_) ++late_ticks_;
   if (late_ == was_late) return;
   if (late_) {
-    session.drive_arms(released_arms(*model_));
-    spdlog::warn("link: the robot's measurements come {:.2f} s late: it rests", remote_->late());
+    note(true, "late", fmt::format("link: the robot's measurements come {:.2f} s late: it rests", remote_->late()));
   } else {
-    spdlog::info("link: the stick counts again");
+    note(false, "in_time", "link: the stick counts again");
   }
+}
+
+void RemoteEnd::look_fault() {
+  if (remote_->fault() == fault_) return;
+  fault_ = remote_->fault();
+  if (fault_.empty()) {
+    note(false, "fault_over", "the robot reports no fault any more: the stick counts again");
+  } else {
+    note(true, "fault", fmt::format("the robot reports a fault: {}: it rests", fault_));
+  }
+}
+
+std::string RemoteEnd::notice() const {
+  if (!fault_.empty()) return fmt::format("The robot reports a fault: {}. No new motion until it is over.", fault_);
+  if (late_ || stale_) return "The connection to the robot is slow: no new motion until it is faster.";
+  return "";
 }
 
 void RemoteEnd::look_engaged(const Session& session) {
@@ -152,21 +189,26 @@ void RemoteEnd::look_lifted(const Session& session) {
 
 void RemoteEnd::warn() {
   if (remote_->battery() < kLow && !std::exchange(low_, true))
-    spdlog::warn("the robot's battery is at {:.0f} %", 100.0 * remote_->battery());
+    note(true, "battery", fmt::format("the robot's battery is at {:.0f} %", 100.0 * remote_->battery()));
   if (remote_->rejected() > 0 && !std::exchange(told_, true))
-    spdlog::warn("the robot has rejected a target: {}", remote_->rejection());
-  if (!welcome().navigates || remote_->tick().stale == stale_) return;
-  stale_ = remote_->tick().stale;
-  if (stale_) {
-    spdlog::warn("link: the stick's positions are more than {} s old when they come to the robot: it rests",
-                 link::Onboard::kFresh);
-  } else {
-    spdlog::info("link: the stick counts again");
+    note(true, "rejected", fmt::format("the robot has rejected a target: {}", remote_->rejection()));
+  const bool stale = welcome().navigates && remote_->tick().stale && fault_.empty();
+  if (std::exchange(stale_, stale) == stale) return;
+  if (stale) {
+    note(true, "late",
+         fmt::format("link: the stick's positions are more than {} s old when they come to the robot: it rests",
+                     link::Onboard::kFresh));
+  } else if (fault_.empty()) {
+    note(false, "in_time", "link: the stick counts again");
   }
 }
 
 nlohmann::json RemoteEnd::json() const {
-  return {{"address", address_},
+  nlohmann::json notes = nlohmann::json::array();
+  for (const LinkNote& note : notes_)
+    notes.push_back({{"t", note.t}, {"what", note.what}, {"text", note.text}});
+  return {{"notes", std::move(notes)},
+          {"address", address_},
           {"navigates", welcome().navigates},
           {"rejected", remote_->rejected()},
           {"stale", remote_->stale()},

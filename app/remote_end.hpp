@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "app/commands.hpp"
 #include "baton/link/remote_robot.hpp"
@@ -13,6 +15,13 @@
 #include "baton/run/session.hpp"
 
 namespace baton::app {
+
+/// Something that happened between the two ends.
+struct LinkNote {
+  double t = 0.0;    ///< of the run [s]
+  std::string what;  ///< late, in_time, fault, fault_over, battery, rejected, damped or broken
+  std::string text;
+};
 
 class RemoteEnd {
  public:
@@ -54,14 +63,24 @@ class RemoteEnd {
   /// Why it follows no longer; "": it does.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
+  /// What has happened since the last call; it has been logged.
+  [[nodiscard]] std::vector<LinkNote> notes() { return std::exchange(new_notes_, {}); }
+  /// For the operator while the stick does not count, because of the link or the robot; else "".
+  [[nodiscard]] std::string notice() const;
+
   /// For the report.
   [[nodiscard]] nlohmann::json json() const;
 
  private:
   void look_engaged(const Session& session);
   void look_lifted(const Session& session);
-  void look_late(Session& session);
+  void look_held(Session& session);
+  void look_late();
+  void look_fault();
   void warn();
+  /// Lets the log, the report and who asks for notes know.
+  void note(bool warning, const char* what, const std::string& text);
+  void end(const std::string& why);
 
   std::string address_;
   const RobotModel* model_;
@@ -74,11 +93,16 @@ class RemoteEnd {
   bool told_ = false;  ///< that the robot has rejected a target
   bool stale_ = false;
   bool late_ = false;  ///< the measurements of a robot that follows targets, in the last tick
+  bool held_ = false;  ///< the stick of a robot that follows targets counts as centred
+  std::string fault_;  ///< that has been noted
   long late_ticks_ = 0;
   bool low_ = false;       ///< its battery, which has been logged
   bool damped_ = false;    ///< that has been asked for
   bool undamped_ = false;  ///< that could not be asked for, which has been logged
   std::string broken_;
+  double t_ = 0.0;               ///< of the session [s]
+  std::vector<LinkNote> notes_;  ///< the first of them, for the report
+  std::vector<LinkNote> new_notes_;
 };
 
 }  // namespace baton::app

@@ -1,18 +1,40 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
+#include <utility>
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/inputs.hpp"
+#include "app/outputs.hpp"
 #include "app/replayer.hpp"
+#include "baton/input/json_reader.hpp"
 
 namespace baton::app {
 
+namespace {
+
+/// Says in what program, model, world and profile are not those of the recording.
+void compare_origins(const Replayer& run) {
+  const mcap::Metadata& there = run.recording().file().metadata().at("baton");
+  const nlohmann::json here = made_of(run.recording().head().robot, run.robot(), run.world());
+  for (const auto& [key, what] :
+       {std::pair("baton", "version of baton"), std::pair("mujoco", "version of MuJoCo"),
+        std::pair("model_sum", "model (checksum)"), std::pair("world_sum", "world (checksum)"),
+        std::pair("profile_sum", "profile (checksum)")}) {
+    const auto found = there.find(key);
+    const std::string now = here.at(key);
+    if (found == there.end() || found->second == now) continue;
+    spdlog::warn("the recording is of another {}: {}, here {}: the replay may differ", what,
+                 shortened(found->second, 60), now);
+  }
+}
+
+}  // namespace
+
 int replay(const ReplayOptions& o) {
   Replayer run(o.recording, o.verify);
+  compare_origins(run);
   const auto differs = [&](const std::string& what) {
     fmt::print("tick {}: {}\n", run.navigator().now(), what);
     return kFailed;

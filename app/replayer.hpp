@@ -27,6 +27,7 @@ class Replayer {
   [[nodiscard]] long gap() const { return gap_; }
   [[nodiscard]] const Navigator& navigator() const { return *navigator_; }
   [[nodiscard]] const RobotModel& robot() const { return robot_; }
+  [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const RecordingReader& recording() const { return recording_; }
   /// The last tick, and its joint target.
   [[nodiscard]] const RecordedTick& tick() const { return *tick_; }

@@ -4,6 +4,7 @@
 #include "app/app.hpp"
 #include "app/commands.hpp"
 #include "app/options.hpp"
+#include "app/robot_recording.hpp"
 #include "app/robots_end.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/link/hanging.hpp"
@@ -90,13 +91,30 @@ int robot(const RobotOptions& o) {
                                            .real_time = o.real_time || o.on,
                                            .navigates_in = o.targets ? nullptr : &world,
                                            .log = [](const std::string& text) { spdlog::info("{}", text); }};
+  if (o.sim) parameters.settings = plant_head(o.physics, "sim");
   parameters.planning = [&, live = parameters.real_time](Modes modes) { return planner_of(model, world, modes, live); };
   if (o.gantry && o.sim && !o.targets)
     throw InputError("--gantry with --sim: goes with --targets, as a robot that navigates by itself begins standing");
+  std::string on = "sim";
+  std::optional<RobotRecording> recording;
+  if (o.record) {
+    if (o.targets)
+      throw InputError("--record with --targets: only what navigates can be recorded, so at the driver's end");
+    recording.emplace(o, *o.record);
+    parameters.began = [&](link::Onboard& onboard, const link::NavigationOptions& navigation) {
+      recording->begin(onboard, navigation, on);
+    };
+    parameters.ended = [&] { recording->end(); };
+    parameters.log = [&](const std::string& text) {
+      spdlog::info("{}", text);
+      recording->log(text);
+    };
+  }
   std::unique_ptr<Robot> behind;
   Simulated sim;
   if (o.on) {
     behind = robot_behind(o, model, world, parameters);
+    on = parameters.on;
   } else {
     if (o.on_token) throw InputError("--on-token goes with --on tcp://HOST:PORT");
     sim = simulated(o, model, world);

@@ -67,7 +67,8 @@ View::View(const Simulation& simulation, int port, bool damps)
           }(),
           simulation.session().model(), simulation.session().world().name(), *scene_) {}
 
-void View::show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals) {
+void View::show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals,
+                const std::string& notice) {
   const Session& session = simulation.session();
   const Navigator& nav = session.navigator();
   if (find_event<Committed>(nav.events()) != nullptr) segment_start_ = session.t();
@@ -133,6 +134,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   } else if (session.t() - steady_ > kShows) {
     frame.message = "Pushed off the plan: no new motion until it has recovered.";
   }
+  if (frame.message.empty()) frame.message = notice;
   if (frame.message.empty()) frame.message = heat_message(session);
   cockpit_.publish(std::move(frame));
 }

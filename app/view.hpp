@@ -25,7 +25,9 @@ class View {
   [[nodiscard]] bool damp_asked() const { return cockpit_.damp_asked(); }
 
   /// Publishes the current state, at most 30 times per second of run time.
-  void show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals);
+  /// @param notice what the operator has to know, if nothing about the robot itself is more urgent; "": nothing
+  void show(const Simulation& simulation, const DeviceStatus& device, const Refusals& refusals,
+            const std::string& notice = "");
 
  private:
   bool damps_;

@@ -65,6 +65,11 @@ class RecordingWriter : public Sink {
   void on_planning(PlanningEvent event) override;
   void on_arms(const ArmTargets& targets) override;
 
+  /// Something that happened outside the navigator, between the ends of a connection; in the next tick, or, at the end,
+  /// in the last one.
+  /// @param what one of the words of the channel's schema
+  void note(const std::string& what, const std::string& text);
+
   /// Writes all that is left, and finishes the file.
   /// @returns why the recording is not complete; "": it is
   std::string close();
@@ -81,6 +86,7 @@ class RecordingWriter : public Sink {
   void add_command(const Command& command);
   void add_events(const TickRecord& record);
   void add_pushes(double t);
+  void add_notes();
   void add_estimates(const TickRecord& record);
 
   std::string name_;  ///< option and file, for warnings
@@ -100,7 +106,8 @@ class RecordingWriter : public Sink {
   ros::Transform root_;
   std::optional<Command> command_;  ///< the last one that was recorded
   std::optional<nlohmann::json> offer_;
-  std::vector<nlohmann::json> arms_;  ///< for the next tick
+  std::vector<nlohmann::json> arms_;   ///< for the next tick
+  std::vector<nlohmann::json> notes_;  ///< the same
   bool fallen_ = false;
   bool perfect_ = false;  ///< the state is taken from the measured root
 };

@@ -72,6 +72,10 @@ constexpr std::string_view json_schema(Topic topic) {
 "impulse": {"type": "array", "description": "in the world [N s]"},
 "duration": {"type": "number", "description": "[s]"},
 "on": {"type": "string", "enum": ["trunk", "left_hand", "right_hand"]}}})";
+    case Topic::link:
+      return R"({"title": "baton.Link", "type": "object", "required": ["what", "text"], "properties": {
+"what": {"type": "string", "enum": ["late", "in_time", "fault", "fault_over", "battery", "rejected", "damped", "broken", "log"]},
+"text": {"type": "string"}}})";
     case Topic::falls:
       return R"({"title": "baton.Fall", "type": "object", "required": ["fall"], "properties": {
 "fall": {"type": "string", "description": "by what the simulator saw it"}}})";

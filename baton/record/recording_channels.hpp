@@ -32,6 +32,7 @@ enum class Topic : std::uint8_t {
   falls,
   tf,
   joy,
+  link,
 };
 
 struct TopicInfo {
@@ -40,7 +41,7 @@ struct TopicInfo {
   bool ros = false;  ///< a message of ROS 2, in CDR; else one of ours, in JSON
 };
 
-inline constexpr std::array<TopicInfo, 17> kTopics{{
+inline constexpr std::array<TopicInfo, 18> kTopics{{
     {"/joint_states", "sensor_msgs/msg/JointState", true},
     {"/imu", "sensor_msgs/msg/Imu", true},
     {"/sole/left", "geometry_msgs/msg/WrenchStamped", true},
@@ -58,6 +59,7 @@ inline constexpr std::array<TopicInfo, 17> kTopics{{
     {"/baton/falls", "baton.Fall"},
     {"/tf", "tf2_msgs/msg/TFMessage", true},
     {"/joy", "sensor_msgs/msg/Joy", true},
+    {"/baton/link", "baton.Link"},
 }};
 
 [[nodiscard]] constexpr const TopicInfo& info(Topic topic) {

@@ -167,6 +167,7 @@ void RecordingWriter::on_tick(const TickRecord& record) {
     add(Topic::arms, targets);
   add_events(record);
   add_pushes(record.t);
+  add_notes();
   if (record.navigator.now() % each_ == 0) add_estimates(record);
 }
 
@@ -265,6 +266,11 @@ void RecordingWriter::add_pushes(double t) {
   });
 }
 
+void RecordingWriter::add_notes() {
+  for (const nlohmann::json& note : std::exchange(notes_, {}))
+    add(Topic::link, note);
+}
+
 void RecordingWriter::add_estimates(const TickRecord& record) {
   const Navigator& nav = record.navigator;
   const Pose& anchor = nav.anchor();
@@ -310,7 +316,12 @@ void RecordingWriter::on_planning(PlanningEvent event) {
   }
 }
 
+void RecordingWriter::note(const std::string& what, const std::string& text) {
+  if (!thread_.failed()) notes_.push_back({{"what", what}, {"text", text}});
+}
+
 std::string RecordingWriter::close() {
+  if (chunk_ != nullptr) add_notes();
   if (std::exchange(chunk_, nullptr) != nullptr) thread_.hand_over();
   const std::string why = thread_.close();
   if (!why.empty() || left_out_ == 0) return why;

@@ -50,6 +50,8 @@ class Session {
   /// What the operator can see now.
   [[nodiscard]] Operator::View view() const { return {t(), navigator(), truth()}; }
 
+  /// Where it began, in the world frame.
+  [[nodiscard]] const Posture& start() const { return start_; }
   [[nodiscard]] double t() const { return static_cast<double>(ticks_) * model_->profile().tick.period; }
   [[nodiscard]] bool resting() const { return navigator_->motion() == nullptr; }
   /// Whether the robot's truth reports a fall, which ends a run but does not steer: the navigator detects falls by

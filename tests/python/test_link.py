@@ -8,6 +8,7 @@ import sys
 
 import link_faults
 import pytest
+from mcap.reader import make_reader
 from robots_end import BATON, ROOT, RobotsEnd
 
 WALK = ROOT / "examples" / "02_walk_and_turn.jsonl"
@@ -304,3 +305,71 @@ def test_the_driver_is_warned_of_a_low_battery(tmp_path):
 def test_a_cut_connection_or_a_full_disk_leaves_nothing_broken(kind, tmp_path):
     fault, wrong = link_faults.run(link_faults.FAULTS.index(kind), tmp_path, "mighty")
     assert fault.kind == kind and not wrong
+
+
+def notes_of(recording):
+    """What happened on the link, by the recording: tick, what, text."""
+    with open(recording, "rb") as stream:
+        found = make_reader(stream, validate_crcs=True).iter_messages(topics=["/baton/link"])
+        return [(m.sequence, *(json.loads(m.data)[key] for key in ("what", "text"))) for _, _, m in found]
+
+
+@pytest.mark.parametrize("mode", [(), ("--targets",)])
+def test_a_fault_that_the_robot_reports_brings_it_to_rest_and_is_on_record(mode, tmp_path):
+    record, report, trace = tmp_path / "run.mcap", tmp_path / "r.json", tmp_path / "t.csv"
+    with simulated(*mode) as end:
+        files = ("--record", record, "--report", report, "--trace", trace)
+        driver = subprocess.Popen(drive_command(end.address, 8, *files), stderr=subprocess.PIPE, text=True)
+        end.await_log("a driver has taken over")
+        while not trace.exists() or trace.stat().st_size < 300_000:  # until it walks
+            assert driver.poll() is None
+        end.type("f left knee: too hot")
+        end.await_log("fault: left knee: too hot: comes to rest")
+        _, log = driver.communicate(timeout=60)
+        # Whoever drives next is told, too.
+        second = drive(end.address, 1)
+        end.type("f")
+        end.await_log("fault over")
+        third = drive(end.address, 1)
+    assert driver.returncode == 0, log
+    assert "the robot reports a fault: left knee: too hot: it rests" in log
+    assert second.returncode == 0 and "left knee: too hot" in second.stderr
+    assert third.returncode == 0 and "fault" not in third.stderr
+    ((tick, what, text),) = notes_of(record)
+    assert what == "fault" and "left knee: too hot" in text
+    (note,) = json.loads(report.read_text())["link"]["notes"]
+    assert note["what"] == "fault" and abs(note["t"] - 0.005 * tick) < 0.011
+    rows = list(csv.DictReader(trace.open()))
+    moving = [row["segment"] != "-1" and row["phase"] != "hold" for row in rows]
+    assert any(moving[:tick]) and not any(moving[-100:])
+    assert "1 link: fault" in subprocess.run([BATON, "info", record], capture_output=True, text=True).stdout
+
+
+def test_the_robots_end_records_each_run_whatever_becomes_of_its_driver(tmp_path):
+    folder = tmp_path / "black box"
+    with simulated("--real-time", "--record", folder) as end:
+        victim = subprocess.Popen(drive_command(end.address, 60), stderr=subprocess.PIPE)
+        end.await_log(f"recording to {folder}/001.mcap")
+        while (folder / "001.mcap").stat().st_size < 200_000:  # until it walks
+            assert victim.poll() is None
+        victim.send_signal(signal.SIGKILL)
+        victim.communicate()
+        end.await_log("at rest, without a driver")
+        assert drive(end.address, 1).returncode == 0
+        end.await_log("at rest, without a driver")
+        end.process.send_signal(signal.SIGINT)
+        assert end.process.wait(timeout=30) == 0
+    assert sorted(file.name for file in folder.iterdir()) == ["001.mcap", "002.mcap"]
+    for file in folder.iterdir():
+        again = subprocess.run([BATON, "replay", file, "--verify"], capture_output=True, text=True)
+        assert again.returncode == 0 and "identical bit for bit" in again.stdout, again.stdout + again.stderr
+        assert "not finished" not in again.stdout
+    texts = [text for _, _, text in notes_of(folder / "001.mcap")]
+    assert any("driver lost" in text for text in texts) and texts[-1] == "at rest, without a driver"
+    # It goes on counting, and what cannot be written is said and ends nothing.
+    with simulated("--record", folder) as end:
+        assert drive(end.address, 1).returncode == 0
+        end.await_log("driver has handed the robot back")
+    assert (folder / "003.mcap").exists()
+    done = subprocess.run([BATON, "robot", "--sim", "--targets", "--record", folder], capture_output=True, text=True)
+    assert done.returncode == 2 and "--record with --targets" in done.stderr

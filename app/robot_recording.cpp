@@ -1,0 +1,82 @@
+#include "app/robot_recording.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "app/options.hpp"
+#include "app/outputs.hpp"
+#include "baton/link/engage.hpp"
+#include "baton/model/error.hpp"
+#include "baton/record/json.hpp"
+
+namespace baton::app {
+
+RobotRecording::RobotRecording(const RobotOptions& options, std::filesystem::path folder)
+    : options_(options), folder_(std::move(folder)) {
+  make_folder(folder_, "--record");
+}
+
+void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions& navigation, const std::string& on) {
+  end();
+  Session& session = onboard.session();
+  const RobotModel& model = session.model();
+  nlohmann::json head = {{"robot", options_.robot},
+                         {"world", options_.world},
+                         {"on", on},
+                         {"seed", options_.seed},
+                         {"duration", to_string(navigation.modes.duration)},
+                         {"gait", to_string(navigation.modes.gait)},
+                         {"on_limit", to_string(navigation.modes.on_limit)},
+                         {"state", to_string(navigation.source)},
+                         {"drive", to_string(model.profile().drive)},
+                         {"end", "robot"}};
+  if (options_.sim) {
+    for (const auto& [name, value] : plant_head(options_.physics, "sim"))
+      head[name] = value;
+  }
+  if (navigation.hangs) head["hangs"] = true;
+  const VecX& start = session.start().q;
+  if (!link::in_stance(model, start.tail(model.nv() - 6))) head["start"] = vector_json(start);
+  std::filesystem::path file;
+  do
+    file = folder_ / fmt::format("{:03}.mcap", ++number_);
+  while (std::filesystem::exists(file));
+  try {
+    writer_ = recording_of(session, file, std::move(head), options_.real_time || !options_.sim, {});
+  } catch (const InputError& error) {
+    spdlog::warn("{}: this run is not recorded", error.what());
+    return;
+  }
+  session.add(*this);
+  spdlog::info("recording to {}", file.string());
+}
+
+void RobotRecording::end() {
+  if (!writer_) return;
+  const std::string incomplete = std::exchange(writer_, nullptr)->close();
+  if (!incomplete.empty()) spdlog::warn("the recording is not complete: {}", incomplete);
+}
+
+void RobotRecording::log(const std::string& text) {
+  if (writer_) writer_->note("log", text);
+}
+
+void RobotRecording::on_tick(const TickRecord& record) {
+  if (writer_) writer_->on_tick(record);
+}
+
+void RobotRecording::on_plan(const PlanRecord& record) {
+  if (writer_) writer_->on_plan(record);
+}
+
+void RobotRecording::on_planning(PlanningEvent event) {
+  if (writer_) writer_->on_planning(event);
+}
+
+void RobotRecording::on_arms(const ArmTargets& targets) {
+  if (writer_) writer_->on_arms(targets);
+}
+
+}  // namespace baton::app
