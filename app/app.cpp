@@ -412,6 +412,13 @@ int parse_and_run(std::vector<std::string> args) {
   CLI::App* info_command = app.add_subcommand("info", "Show what is in a recording");
   info_command->add_option("recording", info_options.recording, "Recording, written by drive --record")->required();
 
+  RecoverOptions recover_options;
+  CLI::App* recover_command =
+      app.add_subcommand("recover", "Finish a recording whose run was killed, for viewers that need its index");
+  recover_command->add_option("recording", recover_options.recording, "Recording, written by drive --record")
+      ->required();
+  recover_command->add_option("--out", recover_options.out, "Write the finished recording to this file")->required();
+
   ExportOptions export_options;
   CLI::App* export_command = app.add_subcommand("export", "Write a recording as tables or plots");
   export_command->add_option("recording", export_options.recording, "Recording, written by drive --record")->required();
@@ -447,6 +454,7 @@ int parse_and_run(std::vector<std::string> args) {
   if (operate_command->parsed()) return operate(operate_options);
   if (replay_command->parsed()) return replay(replay_options);
   if (info_command->parsed()) return show_info(info_options);
+  if (recover_command->parsed()) return recover(recover_options);
   if (export_command->parsed()) return export_recording(export_options);
   if (soak_command->parsed()) {
     return soak_options.link               ? soak_link(soak_options)

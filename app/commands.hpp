@@ -183,6 +183,11 @@ struct InfoOptions {
   std::filesystem::path recording;
 };
 
+struct RecoverOptions {
+  std::filesystem::path recording;
+  std::filesystem::path out;
+};
+
 struct ExportOptions {
   std::filesystem::path recording;
   std::optional<std::filesystem::path> csv;    ///< folder for tables
@@ -199,6 +204,7 @@ int damp(const DampOptions& options);
 int drive(const DriveOptions& options);
 int drive_in_shadow(const DriveOptions& options);
 int export_recording(const ExportOptions& options);
+int recover(const RecoverOptions& options);
 int replay(const ReplayOptions& options);
 int show_info(const InfoOptions& options);
 int robot(const RobotOptions& options);
