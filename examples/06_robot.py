@@ -67,8 +67,9 @@ def serve(connection):
         tick += 1
 
 
-with socket.create_server(("127.0.0.1", int(sys.argv[1]))) as listener:
-    print(f"listening on port {listener.getsockname()[1]}", flush=True)
-    while (driven := serve(listener.accept()[0])) is None:
-        pass  # refused: the next one
-    print(driven)
+if __name__ == "__main__":
+    with socket.create_server(("127.0.0.1", int(sys.argv[1]))) as listener:
+        print(f"listening on port {listener.getsockname()[1]}", flush=True)
+        while (driven := serve(listener.accept()[0])) is None:
+            pass  # refused: the next one
+        print(driven)

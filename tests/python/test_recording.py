@@ -5,10 +5,17 @@ import csv
 import json
 import os
 import pathlib
+import re
 import resource
+import runpy
+import shutil
 import signal
+import socket
+import struct
 import subprocess
+import sysconfig
 import threading
+import types
 
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
@@ -23,7 +30,8 @@ pytestmark = pytest.mark.skipif(not BATON.is_file(), reason=f"no program at {BAT
 
 
 def command(record, seconds, *more):
-    drive = [BATON, "drive", "--world", "flat", "--input", f"script:{WALK}", "--headless", "--record", record]
+    world = [] if "--world" in more else ["--world", "flat"]
+    drive = [BATON, "drive", *world, "--input", f"script:{WALK}", "--headless", "--record", record]
     return [str(part) for part in [*drive, "--seconds", seconds, *more]]
 
 
@@ -201,6 +209,81 @@ def test_a_run_that_is_killed_leaves_a_file_that_opens(tmp_path):
         assert again.returncode == 0 and f"{len(ticks)} ticks" in again.stdout, again.stdout + again.stderr
         assert "not finished" in again.stdout and "not finished" in baton("info", record).stdout
         assert baton("export", record, "--csv", tmp_path / "csv").returncode == 0
+        whole = tmp_path / "whole.mcap"
+        assert baton("recover", record, "--out", whole).returncode == 0
+        with open(whole, "rb") as stream:
+            summary = make_reader(stream, validate_crcs=True).get_summary()
+        copied = list(messages(whole))
+        assert summary.statistics.message_count == len(copied)
+        assert [(topic, message.log_time, message.data) for topic, message, _ in copied] == [
+            (topic, message.log_time, message.data) for topic, message, _ in messages(record)
+        ]
+        again = baton("replay", whole, "--verify")
+        assert again.returncode == 0 and f"{len(ticks)} ticks" in again.stdout and "not finished" not in again.stdout
+        assert "the same file" in baton("recover", record, "--out", record).stderr
+
+
+def test_a_kill_costs_at_most_the_last_tenth_of_a_second(tmp_path):
+    """At a robot that knows which ticks there were, and when its driver is killed."""
+    robot = runpy.run_path(str(ROOT / "examples" / "06_robot.py"))
+    lost = []
+    for at in range(100, 260, 16):  # at each place in a chunk of 16 ticks
+        at += at // 16 % 16
+        record = tmp_path / f"{at}.mcap"
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            on = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+            driver = subprocess.Popen(command(record, 60, "--on", on, "--state", "torques"), stderr=subprocess.DEVNULL)
+            connection = listener.accept()[0]
+
+            def receive(connection, at=at, driver=driver, hear=robot["receive"]):
+                kind, body = hear(connection)
+                if kind == robot["TARGET"] and struct.unpack_from("<Q", body)[0] == at:
+                    driver.kill()
+                return kind, body
+
+            scope = {**robot, "receive": receive}
+            with pytest.raises(OSError):  # the driver is gone
+                types.FunctionType(robot["serve"].__code__, scope)(connection)
+            connection.close()
+            driver.wait()
+        ticks = [message.sequence for topic, message, _ in messages(record) if topic == "/baton/tick"]
+        assert ticks == list(range(len(ticks)))
+        lost.append(at + 1 - len(ticks))
+    assert max(lost) * PERIOD <= 0.1, lost
+
+
+def test_a_walk_takes_no_more_than_stated(tmp_path):
+    done = drive(tmp_path / "walk.mcap", 18, "--fast")
+    assert done.returncode == 0
+    assert (tmp_path / "walk.mcap").stat().st_size / 18 < 150e3
+
+
+def test_rerun_opens_it_with_all_its_channels(run, tmp_path):
+    rerun = next(pathlib.Path(sysconfig.get_path("purelib")).glob("rerun_cli/rerun"))
+    here = {**os.environ, "HOME": str(tmp_path)}
+
+    def called(*args):
+        return subprocess.run([rerun, *args], capture_output=True, text=True, env=here, timeout=120)
+
+    converted = called("mcap", "convert", run / "run.mcap", "-o", tmp_path / "run.rrd")
+    assert converted.returncode == 0, converted.stderr
+    assert called("rrd", "verify", tmp_path / "run.rrd").returncode == 0
+    stats = called("rrd", "stats", tmp_path / "run.rrd").stdout
+    for topic in {topic for topic, _, _ in messages(run / "run.mcap")}:
+        assert re.search(rf"^{topic}: ", stats, re.MULTILINE), topic
+
+
+def test_a_replay_says_what_is_not_as_it_was(run, tmp_path):
+    world = tmp_path / "plain.xml"
+    shutil.copy(ROOT / "worlds" / "flat.xml", world)
+    record = tmp_path / "run.mcap"
+    assert drive(record, 1, "--fast", "--world", world).returncode == 0
+    again = baton("replay", record, "--verify")
+    assert again.returncode == 0 and again.stderr == ""
+    world.write_text(world.read_text() + "<!-- another -->")
+    again = baton("replay", record, "--verify")
+    assert again.returncode == 0 and again.stderr.count("\n") == 1
+    assert "the recording is of another world (checksum)" in again.stderr
 
 
 def test_a_run_that_is_cut_anywhere_opens(run, tmp_path):
