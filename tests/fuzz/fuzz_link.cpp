@@ -29,6 +29,7 @@ std::string again(const Message& message) {
       return encode(decode_target(message.body, kJoints));
     case Type::rejected:
     case Type::damp:
+    case Type::fault:
       return encode_text(decode_text(message.body));
     case Type::command:
       return encode(decode_stick(message.body));
