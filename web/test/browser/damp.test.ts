@@ -1,4 +1,4 @@
-/** A robot at the other end of a connection is damped from the page. */
+/** A robot at the other end of a connection: its faults are on the page, and it is damped from there. */
 import { spawn, type ChildProcess } from 'node:child_process';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
@@ -49,4 +49,18 @@ test('whoever watches damps a robot, whatever is open', async () => {
   await watcher.keyboard.press('0');
   expect(await said).toBe(true);
   expect(await ended).toBe(1); // the run is over: the robot follows no longer
+});
+
+test('a fault that the robot reports is said until it is over', async () => {
+  const started = await start(`--world flat --on ${await robotsEnd()}`);
+  run = started.run;
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  await page.goto(started.url);
+  await role(page, 'driver');
+  robot.stdin!.write('f left knee: too hot\n');
+  const notice = page.getByText('The robot reports a fault: left knee: too hot.');
+  await notice.waitFor(patience);
+  await page.screenshot({ path: path('../../../build/fault.png') });
+  robot.stdin!.write('f\n');
+  await notice.waitFor({ ...patience, state: 'hidden' });
 });
