@@ -25,6 +25,9 @@ namespace fs = std::filesystem;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kStraight = 0.92;         ///< COM height over that with straight legs
+constexpr double kStraightest = 0.97;      ///< the same, where the knee is too weak for that
+constexpr double kReachable = 0.994;       ///< the same, of what there is room for
+constexpr double kKneeLoad = 0.6;          ///< static torque of the knee on one leg that is aimed at [stall torque]
 constexpr double kAssumedArmature = 1e-4;  ///< of a motor whose model states none [kg·m² per N·m of stall torque]
 constexpr double kAssumedSpeed = 2.5;      ///< largest speed of a joint whose model states none [ω]
 constexpr double kFastest = 20.0;  ///< a larger no-load speed by damping is none: the damping is not the motor's [ω]
@@ -135,28 +138,62 @@ int body_of(const mjModel& m, const std::string& name) {
   return site >= 0 ? m.site_bodyid[site] : mj_name2id(&m, mjOBJ_BODY, name.c_str());
 }
 
-/// How much farther from the hip (the leg's third axis) the ankle (its last but one) can be than at q = 0, by the joint
-/// between them that changes it most: the knee [m].
-double extension(const mjModel& m, const std::vector<int>& leg) {
+/// The leg between hip (its third axis) and ankle (its last but one).
+struct Knee {
+  int joint = -1;                   ///< that changes their distance most
+  double now = 0.0;                 ///< distance at q = 0 [m]
+  double straight = 0.0;            ///< largest distance [m]
+  double thigh = 0.0, shank = 0.0;  ///< [m]
+
+  /// Distance of the knee's axis from the line between hip and ankle.
+  /// @param d from hip to ankle [m]
+  [[nodiscard]] double lever(double d) const {
+    const double along = (d * d + thigh * thigh - shank * shank) / (2.0 * d);
+    return std::sqrt(std::max(0.0, thigh * thigh - along * along));
+  }
+};
+
+Knee knee_of(const mjModel& m, const std::vector<int>& leg) {
   Posed posed(m);
-  const auto distance = [&] {
-    const double* hip = posed.data->xanchor + 3 * leg[2];
-    const double* ankle = posed.data->xanchor + 3 * leg[leg.size() - 2];
-    return (Eigen::Map<const Vec3>(ankle) - Eigen::Map<const Vec3>(hip)).norm();
+  const auto distance = [&posed](int from, int to) {
+    const auto at = [&posed](int j) { return Vec3(Eigen::Map<const Vec3>(posed.data->xanchor + 3 * j)); };
+    return (at(from) - at(to)).norm();
   };
-  const double now = distance();
-  double most = now;
+  const int hip = leg[2];
+  const int ankle = leg[leg.size() - 2];
+  Knee knee;
+  knee.now = knee.straight = distance(hip, ankle);
   for (std::size_t i = 3; i + 2 < leg.size(); ++i) {
     const int j = leg[i];
     const double before = m.qpos0[m.jnt_qposadr[j]];
     for (int k = 0; k <= 40; ++k) {
       posed.set(j, m.jnt_range[2 * j] + k / 40.0 * (m.jnt_range[2 * j + 1] - m.jnt_range[2 * j]));
       posed.update();
-      most = std::max(most, distance());
+      if (const double d = distance(hip, ankle); d > knee.straight) {
+        knee.straight = d;
+        knee.joint = j;
+      }
     }
+    if (knee.joint < 0) knee.joint = j;
     posed.set(j, before);
   }
-  return most - now;
+  posed.update();
+  if (knee.joint < 0) return knee;
+  knee.thigh = distance(hip, knee.joint);
+  knee.shank = distance(knee.joint, ankle);
+  return knee;
+}
+
+/// COM height over that with straight legs: as bent as mighty's, or straighter, if the knee is too weak to carry the
+/// robot on one leg like that.
+/// @param height of the COM with straight legs [m]
+/// @param stall torque of the knee [N·m]
+double straightness(const Knee& knee, double height, double weight, double stall) {
+  double straight = kStraight;
+  const auto load = [&] { return weight * knee.lever(knee.straight - (1.0 - straight) * height) / stall; };
+  while (knee.joint >= 0 && stall > 0.0 && straight < kStraightest - 1e-9 && load() > kKneeLoad)
+    straight += 0.005;
+  return straight;
 }
 
 /// Home of an arm [rad]: of many postures, the one whose hand is nearest to half an arm's length before and below the
@@ -404,11 +441,12 @@ struct Size {
   double w = 0.0;           ///< half-width of a sole [m]
   double width = 0.0;       ///< of the stance [m]
   double arm_length = 0.0;  ///< from shoulder to hand [m]
+  double straight = 0.0;    ///< COM height with straight legs [m]
 };
 
 /// Everything that depends on the size alone.
 void fill_from(const Size& size, Filler& fill) {
-  const auto [h, w, width, arm_length] = size;
+  const auto [h, w, width, arm_length, straight] = size;
   fill.length("reach.foot", 0.05 / 0.26, h, "h");
   fill.length("reach.trunk", 0.03 / 0.26, h, "h");
   fill.length("reach.hand", 0.03 / 0.1939, arm_length, "of the arm's length");
@@ -419,7 +457,8 @@ void fill_from(const Size& size, Filler& fill) {
        "2 w + 0.0154 h to the stance width + 0.254 h");
   fill("region.foot_yaw", 0.35, "fixed");
   fill.length("region.sole_gap", 0.006 / 0.26, h, "h");
-  fill("region.com_height", interval(0.235 / 0.26 * h, 0.28 / 0.26 * h), "0.904 to 1.08 h");
+  fill("region.com_height", interval(0.235 / 0.26 * h, std::max(h, std::min(0.28 / 0.26 * h, kReachable * straight))),
+       "0.904 to 1.08 h, at most 0.994 of straight legs");
   fill("region.trunk_inclination", 0.3, "fixed");
   fill("region.trunk_yaw", 0.15, "fixed");
   fill.length("region.hand_distance", 0.18 / 0.1939, arm_length, "of the arm's length");
@@ -483,7 +522,7 @@ CompleteProfile of_no_robot(const toml::table& given) {
   for (const char* key :
        {"trunk", "left_foot", "right_foot", "left_hand", "right_hand", "left_shoulder", "right_shoulder"})
     fill(fmt::format("parts.{}", key), "part", "");
-  const Size size{0.05, 0.01, 0.05, 0.05};  // small, so that no derived bound is above a given one
+  const Size size{0.05, 0.01, 0.05, 0.05, 0.06};  // small, so that no derived bound is above a given one
   fill("stance.com_height", size.h, "");
   fill("stance.width", size.width, "");
   fill("home_deg", toml::table{}, "");
@@ -551,13 +590,13 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     model = compiled();
   }
   const mjModel& m = *model;
-  std::set<std::string> given_torques;  // joints
+  std::map<std::string, double> given_torques;  // of joints
   if (const toml::array* rows = out.table.at_path("drive.gains").as_array()) {
     for (const toml::node& row : *rows) {
       const toml::table* table = row.as_table();
       if (table == nullptr || !table->contains("torque")) continue;
       for (const std::string& joint : texts(table->get("joints")))
-        given_torques.insert(joint);
+        given_torques[joint] = table->get("torque")->value<double>().value_or(0.0);
     }
   }
 
@@ -638,9 +677,17 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
     const Vec3 centre(sole[side].centre.x(), sole[side].centre.y(), sole[side].height);
     return Vec3(posed.body(foot[side]) * foot_frame[side] * centre);
   };
-  const double straight = posed.com_height() - sole_at(Side::left).z() + extension(m, leg);
-  fill("stance.com_height", rounded(kStraight * straight, 1e-3),
-       fmt::format("{} of {:.3f} m, that of straight legs", kStraight, straight));
+  const Knee knee = knee_of(m, leg);
+  const double straight = posed.com_height() - sole_at(Side::left).z() + knee.straight - knee.now;
+  double stall = 0.0;
+  if (knee.joint >= 0) {
+    const auto torque = given_torques.find(name_of(m, mjOBJ_JOINT, knee.joint));
+    stall = torque != given_torques.end() ? torque->second : m.jnt_actfrcrange[2 * knee.joint + 1];
+  }
+  const double share = straightness(knee, straight, m.body_subtreemass[1] * kGravity, stall);
+  fill("stance.com_height", rounded(share * straight, 1e-3),
+       fmt::format("{:.3g} of {:.3f} m, that of straight legs{}", share, straight,
+                   share > kStraight ? ", as the knees are weak" : ""));
   const double h = fill.number("stance.com_height", straight);
   const double omega = std::sqrt(kGravity / h);
   const double w = std::min(half_width(sole.left.outline), half_width(sole.right.outline));
@@ -676,7 +723,7 @@ CompleteProfile complete(const toml::table& given, const fs::path& folder, const
       home[std::string(joint.str())] = degrees.value<double>().value_or(0.0) / kDegrees;
   }
 
-  fill_from({h, w, width, arm_length}, fill);
+  fill_from({h, w, width, arm_length, straight}, fill);
   derive_servos(m, path, omega, m.body_subtreemass[1] * kGravity * h, out);
   if (m.npair == 0 && !out.table.contains("self_pairs")) {
     fill("self_pairs", self_pairs(m, foot, home, h),

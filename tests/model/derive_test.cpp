@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <random>
+#include <set>
 
 #include "baton/ik/stand.hpp"
 #include "baton/model/anatomy.hpp"
@@ -106,6 +107,32 @@ TEST_P(DeriveTest, TheModelAloneMakesARobotThatStands) {
     EXPECT_LT(q, robot.joints()[j].position.hi) << robot.joints()[j].name;
   }
   EXPECT_GT(kinematics.self_distance(1.0, nullptr), 0.0);
+}
+
+TEST(Derive, WeakKneesStandStraighterAsFarAsTheyHaveTo) {
+  const auto height = [](double torque) {
+    toml::table given = short_profile("mighty");
+    given.erase("stance");
+    toml::table servo{{"kp", 100.0}, {"kd", 1.0}, {"torque", torque}};
+    servo.insert("joints", toml::array{"left_knee_flexion", "right_knee_flexion"});
+    given.insert("drive", toml::table{{"gains", toml::array{std::move(servo)}}});
+    CompleteProfile whole = complete(given, "/", "short.toml");
+    return std::pair(whole.table["stance"]["com_height"].value_or(0.0), whole.sources["stance.com_height"]);
+  };
+  const double bent = height(100.0).first;
+  const double straight = bent / 0.92;
+  double before = bent;
+  std::set<double> heights;
+  for (double torque = 8.0; torque > 0.2; torque *= 0.9) {
+    const auto [now, source] = height(torque);
+    EXPECT_GE(now, before) << torque;
+    EXPECT_LE(now, 0.971 * straight + 1e-3) << torque;
+    EXPECT_EQ(source.find("the knees are weak") != std::string::npos, now > bent) << torque;
+    before = now;
+    heights.insert(now);
+  }
+  EXPECT_NEAR(before, 0.97 * straight, 2e-3);
+  EXPECT_GT(heights.size(), 4U);
 }
 
 TEST(Derive, WhatIsGivenStaysAndTheRestFollows) {
