@@ -19,6 +19,7 @@ constexpr int kMostParts = 3;            ///< verified parts of a retrace path; 
 constexpr int kMostVain = 2;             ///< failures in a row after which a load counts as independent of the duration
 constexpr double kJump = 2.0;  ///< acceleration from which that is certain of a joint [limit]; less varies by chance
 // Search for the shortest duration.
+constexpr double kOfOutward = 0.5;    ///< way from outer edges that a way back has to keep [`Limits::zmp_outward`]
 constexpr double kGrowth = 1.2;       ///< least factor from a failed duration to the next
 constexpr double kSlower = 1.5;       ///< the same after a failure that does not depend on time
 constexpr int kHalvings = 3;          ///< bisections back towards the failed duration
@@ -63,6 +64,35 @@ Motion joined(const Motion& backwards, int ticks, Motion end) {
   const std::vector<ContactPhase> phases = first_phases(backwards.phases, ticks);
   motion.phases.insert(motion.phases.begin(), phases.begin(), phases.end());
   return motion;
+}
+
+/// Whether the ZMP of a way back comes too near to an outer edge of a sole. A way that was planned as a capture step,
+/// or for a robot that seemed to weigh elsewhere, leaves no room there; the verifier, which no plan needs to tell that,
+/// does not ask for it.
+std::optional<Refusal> leans_out(const RobotModel& robot, const Motion& motion, const Limits& limits) {
+  const double least = kOfOutward * limits.zmp_outward;
+  for (std::size_t k = 0; k < motion.samples.size(); ++k) {
+    const MotionSample& sample = motion.samples[k];
+    const Vec2 zmp = sample.zmp + limits.com_offset;
+    for (const Side side : kSides) {
+      if (!sample.contact[side]) continue;
+      const Pose& sole = sample.sole[side];
+      const Vec3 from_sole = sole.R.transpose() * (Vec3(zmp.x(), zmp.y(), sole.p.z()) - sole.p);
+      double edge = 0.0;
+      for (const Vec2& corner : robot.sole(side).vertices())
+        edge = std::max(edge, sign_of(side) * corner.y());
+      const double inside = edge - sign_of(side) * from_sole.y();
+      if (inside < least) {
+        return Refusal{Reason::zmp,
+                       motion.goal.guided,
+                       inside,
+                       least,
+                       std::string(to_string(foot(side))),
+                       static_cast<double>(k) * motion.period};
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -196,7 +226,9 @@ PlanResult Planner::retrace(const Trail& trail, const Pose& anchor, const Limits
   back.heat = heat;
   std::variant<VerifiedMotion, Refusal> verdict = verifier_.verify(std::move(back), anchor, limits);
   if (auto* refusal = std::get_if<Refusal>(&verdict)) return std::move(*refusal);
-  return PlannedMotion{std::get<VerifiedMotion>(std::move(verdict))};
+  VerifiedMotion verified = std::get<VerifiedMotion>(std::move(verdict));
+  if (std::optional<Refusal> tips = leans_out(*robot_, *verified, limits)) return *std::move(tips);
+  return PlannedMotion{std::move(verified)};
 }
 
 PlanResult Planner::halt(const Posture& from, const Trail& trail, const TrailRest& halt, const Pose& anchor,
@@ -267,6 +299,7 @@ std::optional<Planner::PartOfWay> Planner::retrace_part(const Trail& trail, cons
         continue;
       }
       end->motion = std::get<VerifiedMotion>(std::move(verdict));
+      if (leans_out(*robot_, *end->motion, limits)) continue;
       end->limit = std::move(against);
       return PartOfWay{std::move(*end), *rest};
     }
