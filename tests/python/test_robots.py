@@ -55,20 +55,19 @@ def test_a_robot_of_the_web_shifts_and_reaches_in_physics(jvrc1, tmp_path):
     assert result["commands"] == {"given": 2, "moved": 2}
 
 
-def test_it_walks_and_stands_on_one_foot(jvrc1, tmp_path):
-    """Its knees are weak, and its soles narrower than what a step keeps from their outer edges."""
+def test_it_walks_though_its_knees_are_weak(jvrc1, tmp_path):
+    """At 0.92 of its height with straight legs, one knee alone would need 0.98 of its stall torque."""
     script, trace, report = tmp_path / "script.jsonl", tmp_path / "trace.csv", tmp_path / "report.json"
-    lines = [{"t": 0.5, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}, {"t": 6.5, "guide": "trunk"}]
-    lines += [{"t": 9, "guide": "left_foot", "lift": [1, 0]}, {"t": 15, "guide": "left_foot"}]
+    lines = [{"t": 0.5, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}, {"t": 12.5, "guide": "trunk"}]
     script.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    done = run("drive", "--robot", jvrc1, "--world", "flat", "--fast", "--seconds", 20, "--seed", 1, "--input", f"script:{script}", "--report", report, "--trace", trace)
+    done = run("drive", "--robot", jvrc1, "--world", "flat", "--fast", "--seconds", 16, "--seed", 1, "--input", f"script:{script}", "--report", report, "--trace", trace)
     assert done.returncode == 0, done.stderr
-    assert json.loads(report.read_text())["commands"] == {"given": 2, "moved": 2}
+    assert json.loads(report.read_text())["commands"] == {"given": 1, "moved": 1}
     with trace.open() as file:
         rows = list(csv.DictReader(file))
-    assert float(rows[1300]["qpos_0"]) - float(rows[0]["qpos_0"]) > 0.15
-    on_one_foot = [row for row in rows[1800:3000] if row["touch_left"] == "0" and row["touch_right"] == "1"]
-    assert len(on_one_foot) > 400
+    assert float(rows[-1]["qpos_0"]) - float(rows[0]["qpos_0"]) > 0.5
+    steps = {row["segment"] for row in rows if row["phase"].startswith("single")}
+    assert len(steps) > 5
 
 
 def test_who_is_not_fetched_is_told_how_to():
