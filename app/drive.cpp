@@ -128,8 +128,7 @@ int drive(const DriveOptions& o) {
                            {"on_limit", o.modes.on_limit},
                            {"state", o.physics.state},
                            {"drive", std::string(to_string(robot.profile().drive))}};
-    for (const auto& [name, value] : remote ? remote->welcome().settings : plant_head(o.physics, on))
-      if (!head.contains(name)) head[name] = value;
+    head.update(remote ? remote->settings() : plant_head(o.physics, on));
     if (o.calibration) head["calibration_sum"] = checksum(read_input(*o.calibration, "--calibration"));
     if (o.gantry) head["hangs"] = true;
     if (remote && !remote->starts_in_stance()) head["start"] = vector_json(parameters.start->q);
@@ -166,9 +165,14 @@ int drive(const DriveOptions& o) {
   bool stuck = false;
   /// @returns whether the robot still follows
   const auto step = [&](const std::function<Command()>& stick) {
-    if (remote) return remote->step(session, stick);
-    session.step(stick());
-    return true;
+    if (!remote) {
+      session.step(stick());
+      return true;
+    }
+    const bool follows = remote->step(session, stick);
+    for (const LinkNote& note : remote->notes())
+      outputs.note(note.what, note.text);
+    return follows;
   };
   const auto stick = [&] {
     if (stopping) return Command{};
@@ -195,12 +199,7 @@ int drive(const DriveOptions& o) {
       if (targets == nullptr) break;
       drive_arms(*targets);
     }
-    const bool follows = step(stick);
-    if (remote) {
-      for (const LinkNote& note : remote->notes())
-        outputs.note(note.what, note.text);
-    }
-    if (!follows) break;
+    if (!step(stick)) break;
     damp_if_asked();
     refusals.look(session.navigator());
     log_arms(session.navigator(), session.t());

@@ -58,7 +58,7 @@ class ShadowRecording {
                                  {"state", o.physics.state},
                                  {"drive", std::string(to_string(robot.profile().drive))},
                                  {"start", vector_json(start.q)}},
-                                !welcome.lock_step, {})) {
+                                origins_of(o.robot, robot, world), !welcome.lock_step, {})) {
     session_.add(*recording_);
   }
 

@@ -80,30 +80,32 @@ Outputs::Outputs(Simulation& simulation, const std::optional<std::filesystem::pa
   if (trace) session.add(trace_.emplace(session.model(), *trace));
 }
 
-nlohmann::json made_of(const std::string& robot, const RobotModel& model, const World& world) {
-  return {{"baton", version()},
-          {"mujoco", mj_versionString()},
-          {"model_sum", checksum(read_input(model.profile().model, "model"))},
-          {"world_sum", checksum(read_input(world.file(), "world"))},
-          {"profile_sum", checksum(derived_profile(profile_file(robot)))}};
+Origins origins_of(const std::string& robot, const RobotModel& model, const World& world) {
+  std::string profile = derived_profile(profile_file(robot));
+  return {{{"baton", version()},
+           {"mujoco", mj_versionString()},
+           {"model_sum", checksum(read_input(model.profile().model, "model"))},
+           {"world_sum", checksum(read_input(world.file(), "world"))},
+           {"profile_sum", checksum(profile)}},
+          std::move(profile)};
 }
 
 std::unique_ptr<RecordingWriter> recording_of(const Session& session, const std::filesystem::path& file,
-                                              nlohmann::json head, bool live, const std::vector<Push>& pushes) {
-  const std::string robot = head.at("robot");
-  head.update(made_of(robot, session.model(), session.world()));
+                                              nlohmann::json head, const Origins& origins, bool live,
+                                              const std::vector<Push>& pushes) {
+  head.update(origins.sums);
   return std::make_unique<RecordingWriter>(
       session.model(), file, head,
-      RecordingWriter::Parameters{
-          .live = live,
-          .pushes = pushes,
-          .attachments = {{"profile.toml", "application/toml", derived_profile(profile_file(robot))}},
-          .warn = [](const std::string& why) { spdlog::warn("{}; the run goes on", why); }});
+      RecordingWriter::Parameters{.live = live,
+                                  .pushes = pushes,
+                                  .attachments = {{"profile.toml", "application/toml", origins.profile}},
+                                  .warn = [](const std::string& why) { spdlog::warn("{}; the run goes on", why); }});
 }
 
 void Outputs::record(Session& session, const std::filesystem::path& file, nlohmann::json head, bool live,
                      const std::vector<Push>& pushes) {
-  recording_ = recording_of(session, file, std::move(head), live, pushes);
+  const Origins origins = origins_of(head.at("robot"), session.model(), session.world());
+  recording_ = recording_of(session, file, std::move(head), origins, live, pushes);
   session.add(*recording_);
 }
 

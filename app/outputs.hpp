@@ -43,19 +43,23 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 /// Elapsed wall-clock time [s].
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
-/// What a run depends on beyond its settings: versions of programs, checksums of files. For the settings of a
-/// recording.
+/// What a run depends on beyond its settings.
+struct Origins {
+  nlohmann::json sums;  ///< versions of programs, checksums of files; for the settings of a recording
+  std::string profile;  ///< of the robot, with all that is derived, as TOML
+};
+
 /// @param robot as given to `--robot`
 /// @throws InputError a file cannot be read any more
-[[nodiscard]] nlohmann::json made_of(const std::string& robot, const RobotModel& model, const World& world);
+[[nodiscard]] Origins origins_of(const std::string& robot, const RobotModel& model, const World& world);
 
 /// A recording of a session, for it to have as a sink. Warns once when it cannot be complete.
-/// @param head robot, world and modes of the run; what they were made of is added
+/// @param head robot, world and modes of the run; the sums of `origins` are added
 /// @param live the run is in real time
 /// @param pushes that the robot will get
 /// @throws InputError the file cannot be opened
 [[nodiscard]] std::unique_ptr<RecordingWriter> recording_of(const Session& session, const std::filesystem::path& file,
-                                                            nlohmann::json head, bool live,
+                                                            nlohmann::json head, const Origins& origins, bool live,
                                                             const std::vector<Push>& pushes);
 
 class Outputs {

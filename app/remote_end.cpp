@@ -49,6 +49,10 @@ RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World
     throw InputError(fmt::format("the robot at {}: {}", o.on, *what));
 }
 
+nlohmann::json RemoteEnd::settings() const {
+  return plant_settings(welcome().settings);
+}
+
 Posture RemoteEnd::start(const World& world, const std::optional<Calibration>& calibration) {
   if (hangs_ && !welcome().navigates) return stand(*model_, world.site("start"), model_->profile().stance.com_height);
   const Measurement seen = calibration ? without_errors(remote_->read(), *calibration) : remote_->read();
@@ -82,9 +86,10 @@ bool RemoteEnd::step(Session& session, const std::function<Command()>& stick) {
         session.drive_arms(targets);
       session.step(followed);
     } else {
+      look_held(session);
       const Command command = stick();
       session.step(held_ ? Command{} : command);
-      look_held(session);
+      look_late();
     }
     t_ = session.t();
     look_fault();
@@ -99,7 +104,10 @@ bool RemoteEnd::step(Session& session, const std::function<Command()>& stick) {
 }
 
 void RemoteEnd::drive_arms(Session& session, const ArmTargets& targets) {
-  if (!welcome().navigates) return session.drive_arms(targets);
+  if (!welcome().navigates) {
+    if (!held_) session.drive_arms(targets);
+    return;
+  }
   try {
     remote_->drive_arms(targets);
   } catch (const LinkError& error) {
@@ -131,11 +139,10 @@ void RemoteEnd::end(const std::string& why) {
   if (!broken_.empty()) return;
   broken_ = why;  // logged as the reason of the run's end
   new_notes_.push_back({t_, remote_->damped() ? "damped" : "broken", why});
-  notes_.push_back(new_notes_.back());
+  if (notes_.size() < kMostNotes) notes_.push_back(new_notes_.back());
 }
 
 void RemoteEnd::look_held(Session& session) {
-  look_late();
   const bool was_held = std::exchange(held_, late_ || !remote_->fault().empty());
   if (held_ && !was_held) session.drive_arms(released_arms(*model_));
 }
@@ -147,7 +154,7 @@ void RemoteEnd::look_late() {
   if (late_) {
     note(true, "late", fmt::format("link: the robot's measurements come {:.2f} s late: it rests", remote_->late()));
   } else {
-    note(false, "in_time", "link: the stick counts again");
+    note(false, "in_time", "link: the robot's measurements are in time again");
   }
 }
 
@@ -155,7 +162,7 @@ void RemoteEnd::look_fault() {
   if (remote_->fault() == fault_) return;
   fault_ = remote_->fault();
   if (fault_.empty()) {
-    note(false, "fault_over", "the robot reports no fault any more: the stick counts again");
+    note(false, "fault_over", "the robot reports no fault any more");
   } else {
     note(true, "fault", fmt::format("the robot reports a fault: {}: it rests", fault_));
   }
@@ -168,7 +175,8 @@ std::string RemoteEnd::notice() const {
 }
 
 void RemoteEnd::look_engaged(const Session& session) {
-  rested_ = session.resting() ? rested_ + 1 : 0;
+  const bool held = held_ || (welcome().navigates && remote_->tick().stale);
+  rested_ = session.resting() && !held ? rested_ + 1 : 0;
   engaging_ = static_cast<double>(rested_) * model_->profile().tick.period < kSettled;
   if (engaging_) return;
   const VecX& q = session.navigator().state().q;
@@ -192,14 +200,14 @@ void RemoteEnd::warn() {
     note(true, "battery", fmt::format("the robot's battery is at {:.0f} %", 100.0 * remote_->battery()));
   if (remote_->rejected() > 0 && !std::exchange(told_, true))
     note(true, "rejected", fmt::format("the robot has rejected a target: {}", remote_->rejection()));
-  const bool stale = welcome().navigates && remote_->tick().stale && fault_.empty();
-  if (std::exchange(stale_, stale) == stale) return;
-  if (stale) {
+  if (!welcome().navigates || !fault_.empty()) return;  // a fault makes it count as stale
+  if (std::exchange(stale_, remote_->tick().stale) == remote_->tick().stale) return;
+  if (stale_) {
     note(true, "late",
          fmt::format("link: the stick's positions are more than {} s old when they come to the robot: it rests",
                      link::Onboard::kFresh));
-  } else if (fault_.empty()) {
-    note(false, "in_time", "link: the stick counts again");
+  } else {
+    note(false, "in_time", "link: the stick's positions are in time again");
   }
 }
 

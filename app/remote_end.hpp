@@ -34,6 +34,8 @@ class RemoteEnd {
   /// The robot itself, once, for a session; it stays known here.
   [[nodiscard]] std::unique_ptr<Robot> robot() { return std::move(owned_); }
   [[nodiscard]] const link::Welcome& welcome() const { return remote_->welcome(); }
+  /// What a simulator at the other end says of its plant, for the settings of a recording.
+  [[nodiscard]] nlohmann::json settings() const;
   /// Where a session begins: for a robot that hangs, in its stance.
   /// @param calibration what is known of the sensors' errors
   /// @throws InputError the robot does not stand on both soles

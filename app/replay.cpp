@@ -17,7 +17,7 @@ namespace {
 /// Says in what program, model, world and profile are not those of the recording.
 void compare_origins(const Replayer& run) {
   const mcap::Metadata& there = run.recording().file().metadata().at("baton");
-  const nlohmann::json here = made_of(run.recording().head().robot, run.robot(), run.world());
+  const nlohmann::json here = origins_of(run.recording().head().robot, run.robot(), run.world()).sums;
   for (const auto& [key, what] :
        {std::pair("baton", "version of baton"), std::pair("mujoco", "version of MuJoCo"),
         std::pair("model_sum", "model (checksum)"), std::pair("world_sum", "world (checksum)"),

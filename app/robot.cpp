@@ -37,6 +37,7 @@ std::unique_ptr<Robot> robot_behind(const RobotOptions& o, const RobotModel& mod
           .address = Address::parse(*o.on), .token = token_in(o.on_token), .accept = accept, .answering = kAnswering});
   parameters.on = remote->welcome().on;
   parameters.remote = remote.get();
+  parameters.settings = remote->welcome().settings;
   if (o.gantry) {
     spdlog::info("hangs: takes its stance");
     parameters.hold = link::take_stance(model, *remote, Calibration::none(model.nv() - 6), [] { return !interrupted; });
@@ -91,33 +92,33 @@ int robot(const RobotOptions& o) {
                                            .real_time = o.real_time || o.on,
                                            .navigates_in = o.targets ? nullptr : &world,
                                            .log = [](const std::string& text) { spdlog::info("{}", text); }};
-  if (o.sim) parameters.settings = plant_head(o.physics, "sim");
+  if (o.sim) parameters.settings = plant_head(o.physics, "sim").get<std::map<std::string, std::string>>();
   parameters.planning = [&, live = parameters.real_time](Modes modes) { return planner_of(model, world, modes, live); };
   if (o.gantry && o.sim && !o.targets)
     throw InputError("--gantry with --sim: goes with --targets, as a robot that navigates by itself begins standing");
-  std::string on = "sim";
+  std::unique_ptr<Robot> behind;
+  Simulated sim;
+  if (o.on) {
+    behind = robot_behind(o, model, world, parameters);
+  } else {
+    if (o.on_token) throw InputError("--on-token goes with --on tcp://HOST:PORT");
+    sim = simulated(o, model, world);
+  }
   std::optional<RobotRecording> recording;
   if (o.record) {
     if (o.targets)
       throw InputError("--record with --targets: only what navigates can be recorded, so at the driver's end");
-    recording.emplace(o, *o.record);
+    nlohmann::json settings = plant_settings(parameters.settings);
+    settings["on"] = parameters.on;
+    recording.emplace(o, model, world, *o.record, std::move(settings));
     parameters.began = [&](link::Onboard& onboard, const link::NavigationOptions& navigation) {
-      recording->begin(onboard, navigation, on);
+      recording->begin(onboard, navigation);
     };
     parameters.ended = [&] { recording->end(); };
     parameters.log = [&](const std::string& text) {
       spdlog::info("{}", text);
       recording->log(text);
     };
-  }
-  std::unique_ptr<Robot> behind;
-  Simulated sim;
-  if (o.on) {
-    behind = robot_behind(o, model, world, parameters);
-    on = parameters.on;
-  } else {
-    if (o.on_token) throw InputError("--on-token goes with --on tcp://HOST:PORT");
-    sim = simulated(o, model, world);
   }
   link::RobotServer server(model, o.on ? *behind : *sim.robot, std::move(parameters));
   fmt::print("{} in {} at {}; d and Enter: damp, a and Enter: arm again{}, Ctrl-C: end\n", model.profile().name,

@@ -6,25 +6,27 @@
 #include <utility>
 
 #include "app/options.hpp"
-#include "app/outputs.hpp"
 #include "baton/link/engage.hpp"
 #include "baton/model/error.hpp"
 #include "baton/record/json.hpp"
 
 namespace baton::app {
 
-RobotRecording::RobotRecording(const RobotOptions& options, std::filesystem::path folder)
-    : options_(options), folder_(std::move(folder)) {
+RobotRecording::RobotRecording(const RobotOptions& options, const RobotModel& model, const World& world,
+                               std::filesystem::path folder, nlohmann::json settings)
+    : options_(options),
+      folder_(std::move(folder)),
+      settings_(std::move(settings)),
+      origins_(origins_of(options.robot, model, world)) {
   make_folder(folder_, "--record");
 }
 
-void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions& navigation, const std::string& on) {
+void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions& navigation) {
   end();
   Session& session = onboard.session();
   const RobotModel& model = session.model();
   nlohmann::json head = {{"robot", options_.robot},
                          {"world", options_.world},
-                         {"on", on},
                          {"seed", options_.seed},
                          {"duration", to_string(navigation.modes.duration)},
                          {"gait", to_string(navigation.modes.gait)},
@@ -32,10 +34,7 @@ void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions
                          {"state", to_string(navigation.source)},
                          {"drive", to_string(model.profile().drive)},
                          {"end", "robot"}};
-  if (options_.sim) {
-    for (const auto& [name, value] : plant_head(options_.physics, "sim"))
-      head[name] = value;
-  }
+  head.update(settings_);
   if (navigation.hangs) head["hangs"] = true;
   const VecX& start = session.start().q;
   if (!link::in_stance(model, start.tail(model.nv() - 6))) head["start"] = vector_json(start);
@@ -44,7 +43,7 @@ void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions
     file = folder_ / fmt::format("{:03}.mcap", ++number_);
   while (std::filesystem::exists(file));
   try {
-    writer_ = recording_of(session, file, std::move(head), options_.real_time || !options_.sim, {});
+    writer_ = recording_of(session, file, std::move(head), origins_, options_.real_time || !options_.sim, {});
   } catch (const InputError& error) {
     spdlog::warn("{}: this run is not recorded", error.what());
     return;
@@ -54,9 +53,15 @@ void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions
 }
 
 void RobotRecording::end() {
+  std::erase_if(closing_, [](const std::future<void>& closed) {
+    return closed.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
   if (!writer_) return;
-  const std::string incomplete = std::exchange(writer_, nullptr)->close();
-  if (!incomplete.empty()) spdlog::warn("the recording is not complete: {}", incomplete);
+  closing_.push_back(std::async(std::launch::async, [writer = std::move(writer_)] {
+    const std::string incomplete = writer->close();
+    if (!incomplete.empty()) spdlog::warn("the recording is not complete: {}", incomplete);
+  }));
+  writer_ = nullptr;
 }
 
 void RobotRecording::log(const std::string& text) {

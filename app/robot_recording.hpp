@@ -2,10 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <future>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "app/commands.hpp"
+#include "app/outputs.hpp"
 #include "baton/link/onboard.hpp"
 #include "baton/record/recording.hpp"
 
@@ -13,14 +17,15 @@ namespace baton::app {
 
 class RobotRecording : private Sink {
  public:
-  /// @param folder for 001.mcap, 002.mcap, …; goes on after the last one that is there
+  /// @param folder for 001.mcap, 002.mcap, …; files that are there stay
+  /// @param settings of the robot: `on`, and plant and scenario of a simulated one
   /// @throws InputError it cannot be created
-  RobotRecording(const RobotOptions& options, std::filesystem::path folder);
+  RobotRecording(const RobotOptions& options, const RobotModel& model, const World& world, std::filesystem::path folder,
+                 nlohmann::json settings);
 
   /// A driver has started a navigator: a new file begins. If it cannot be written, that is logged, and the run goes on.
-  /// @param on sim, ideal or real
-  void begin(link::Onboard& onboard, const link::NavigationOptions& navigation, const std::string& on);
-  /// Finishes the file.
+  void begin(link::Onboard& onboard, const link::NavigationOptions& navigation);
+  /// Finishes the file, meanwhile: nobody waits for the disk.
   void end();
   /// A line of the log.
   void log(const std::string& text);
@@ -34,7 +39,10 @@ class RobotRecording : private Sink {
   RobotOptions options_;
   std::filesystem::path folder_;
   int number_ = 0;
+  nlohmann::json settings_;
+  Origins origins_;
   std::unique_ptr<RecordingWriter> writer_;  ///< null between two runs
+  std::vector<std::future<void>> closing_;   ///< files that are being finished
 };
 
 }  // namespace baton::app

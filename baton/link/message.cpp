@@ -23,6 +23,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are sent in t
 
 constexpr std::size_t kHead = 5;  ///< bytes of length and type
 constexpr std::size_t kLongestText = 4096;
+constexpr std::size_t kEllipsis = 3;  ///< bytes that a text which was shortened ends with
 constexpr long kMostJoints = 1000;
 constexpr std::uint32_t kDamped = 1;  ///< bit of the state
 
@@ -250,7 +251,7 @@ std::string encode(const Start& start) {
 }
 
 std::string encode(const Refusal& refusal) {
-  return dumped({{"reason", refusal.reason}, {"text", shortened(refusal.text, kLongestText)}});
+  return dumped({{"reason", refusal.reason}, {"text", shortened(refusal.text, kLongestText - kEllipsis)}});
 }
 
 std::string encode(const ArmTargets& targets) {
@@ -258,7 +259,7 @@ std::string encode(const ArmTargets& targets) {
 }
 
 std::string encode_text(const std::string& text) {
-  return dumped({{"text", shortened(text, kLongestText)}});
+  return dumped({{"text", shortened(text, kLongestText - kEllipsis)}});
 }
 
 namespace {

@@ -307,7 +307,7 @@ void RemoteRobot::take_tick(const Message& message) {
   const bool was_stale = tick_.stale;
   tick_ = decode_tick(message.body, model_->nv() - 6);
   reading_ = tick_.reading;
-  if (tick_.stale) ++stale_;
+  if (tick_.stale && fault_.empty()) ++stale_;
   if (tick_.stale && !was_stale) arms_.push_back(released_arms(*model_));
   check_sequence(reading_);
 }

@@ -242,7 +242,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
           parameters_.set_servos ? parameters_.set_servos(start) : wrong_servos(start))
     return refuse(peer, "servos", *why);
   if (parameters_.remote == nullptr) {
-    onboard_.reset();  // the robot does not stand where that one left it
+    if (std::exchange(onboard_, nullptr)) parameters_.ended();  // the robot does not stand where that one left it
     robot_->reset();
   } else if (!resting()) {
     return refuse(peer, "posture", "the robot is still coming to rest: try again");
@@ -263,6 +263,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
     parameters_.began(*onboard_, start.navigation.value_or(NavigationOptions{}));
   }
   stale_ = false;
+  rest_logged_ = false;
   peer.started = true;
   reading_ = {};
   reading_.measurement = robot_->read();
@@ -467,7 +468,10 @@ void RobotServer::advance_remote() {
     if (remote.read().t != reading_.measurement.t) look();
   }
   if (remote.damped()) damp("at its own end: " + remote.damped_because());
-  if (remote.fault() != remote_fault_) set_fault(remote_fault_ = remote.fault());
+  if (remote.fault() != remote_fault_) {
+    remote_fault_ = remote.fault();
+    look_at_faults();
+  }
   const std::string why = remote.damped() ? "" : remote.follows_no_longer();
   if (!driver_ || why.empty()) return;
   try {
@@ -560,25 +564,33 @@ void RobotServer::damp(const std::string& because) {
   state_ = State::damped;
   damped_because_ = because;
   parameters_.log("damped: " + because);
-  parameters_.ended();
   if (driver_) {
     try {
       tell(*driver_, framed(Type::damp, encode_text(because)));
     } catch (const LinkError&) {  // `serve` finds that out, too
     }
   }
-  if (parameters_.remote == nullptr || parameters_.remote->damped()) return;
-  try {
-    parameters_.remote->damp(because);
-  } catch (const LinkError& error) {  // its next measurement does not come, which ends this end
-    parameters_.log(fmt::format("the robot could not be told: {}", error.what()));
+  if (parameters_.remote != nullptr && !parameters_.remote->damped()) {
+    try {
+      parameters_.remote->damp(because);
+    } catch (const LinkError& error) {  // its next measurement does not come, which ends this end
+      parameters_.log(fmt::format("the robot could not be told: {}", error.what()));
+    }
   }
+  parameters_.ended();
 }
 
 void RobotServer::set_fault(const std::string& fault) {
+  if (fault == own_fault_) return;
+  own_fault_ = fault;
+  look_at_faults();
+}
+
+void RobotServer::look_at_faults() {
+  const std::string& fault = own_fault_.empty() ? remote_fault_ : own_fault_;
   if (fault == fault_) return;
   fault_ = fault;
-  parameters_.log(fault.empty() ? "fault over: the stick counts again" : "fault: " + fault + ": comes to rest");
+  parameters_.log(fault.empty() ? "fault over" : "fault: " + fault + ": comes to rest");
   if (onboard_) onboard_->hold(!fault.empty());
   if (!driver_ || !driver_->started) return;
   try {

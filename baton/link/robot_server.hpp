@@ -127,6 +127,7 @@ class RobotServer {
   /// Tells the observer what was measured.
   void show();
   void brake();
+  void look_at_faults();
   void tell_fault(Peer& peer);
   /// Logs what the navigator at this end has done in a tick, as far as somebody beside the robot wants to know it.
   void log_changes();
@@ -166,8 +167,10 @@ class RobotServer {
   TargetCheck check_;
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent
-  std::string damped_because_, fault_;
-  std::string remote_fault_;  ///< the last that the robot that is `remote` has reported
+  std::string damped_because_;
+  std::string fault_;         ///< that the driver is told: the first of the next two that there is
+  std::string own_fault_;     ///< `set_fault`
+  std::string remote_fault_;  ///< that the robot that is `remote` reports
   bool stale_ = false;        ///< that the stick was has been logged
   bool rest_logged_ = false;  ///< that it rests without a driver has been logged
   bool retired_ = false;

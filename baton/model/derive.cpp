@@ -163,18 +163,23 @@ Knee knee_of(const mjModel& m, const std::vector<int>& leg) {
   const int ankle = leg[leg.size() - 2];
   Knee knee;
   knee.now = knee.straight = distance(hip, ankle);
+  double widest = -1.0;
   for (std::size_t i = 3; i + 2 < leg.size(); ++i) {
     const int j = leg[i];
     const double before = m.qpos0[m.jnt_qposadr[j]];
+    double least = knee.now;
+    double most = knee.now;
     for (int k = 0; k <= 40; ++k) {
       posed.set(j, m.jnt_range[2 * j] + k / 40.0 * (m.jnt_range[2 * j + 1] - m.jnt_range[2 * j]));
       posed.update();
-      if (const double d = distance(hip, ankle); d > knee.straight) {
-        knee.straight = d;
-        knee.joint = j;
-      }
+      least = std::min(least, distance(hip, ankle));
+      most = std::max(most, distance(hip, ankle));
     }
-    if (knee.joint < 0) knee.joint = j;
+    knee.straight = std::max(knee.straight, most);
+    if (most - least > widest) {
+      widest = most - least;
+      knee.joint = j;
+    }
     posed.set(j, before);
   }
   posed.update();

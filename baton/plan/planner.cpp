@@ -19,7 +19,7 @@ constexpr int kMostParts = 3;            ///< verified parts of a retrace path; 
 constexpr int kMostVain = 2;             ///< failures in a row after which a load counts as independent of the duration
 constexpr double kJump = 2.0;  ///< acceleration from which that is certain of a joint [limit]; less varies by chance
 // Search for the shortest duration.
-constexpr double kOfOutward = 0.5;    ///< way from outer edges that a way back has to keep [`Limits::zmp_outward`]
+constexpr double kOfOutward = 0.25;   ///< way from outer edges that a way back has to keep [`Limits::zmp_outward`]
 constexpr double kGrowth = 1.2;       ///< least factor from a failed duration to the next
 constexpr double kSlower = 1.5;       ///< the same after a failure that does not depend on time
 constexpr int kHalvings = 3;          ///< bisections back towards the failed duration

@@ -40,9 +40,10 @@ std::int64_t nanoseconds(double t) {
 }
 
 mcap::Metadata texts(const nlohmann::json& head) {
-  mcap::Metadata metadata{{"recording", std::to_string(kRecordingVersion)}};
+  mcap::Metadata metadata;
   for (const auto& [key, value] : head.items())
     metadata[key] = value.is_string() ? value.get<std::string>() : value.dump();
+  metadata["recording"] = std::to_string(kRecordingVersion);
   return metadata;
 }
 

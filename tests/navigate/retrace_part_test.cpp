@@ -4,6 +4,8 @@
 
 #include <fstream>
 
+#include "baton/model/contact.hpp"
+#include "baton/plan/planner.hpp"
 #include "baton/plan/retrace.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
@@ -95,6 +97,50 @@ TEST_P(RetracePartTest, GoesToTheLastRestBeforeWhatCannotBeTakenBack) {
     EXPECT_TRUE(std::holds_alternative<Refusal>(strict.plan(request).outcome));
   }
   EXPECT_GT(parts, 8);
+}
+
+TEST_P(RetracePartTest, KeepsTheZmpFromOuterEdgesWhereverTheRobotSeemsToWeigh) {
+  test::Trip trip(robot_);
+  Command walk;
+  walk.axes[0] = 1.0;
+  const double period = robot_.profile().tick.period;
+  for (double t = 0.0; t < 4.0 * std::sqrt(height_ / 0.26); t += period)
+    trip.step(walk);
+  come_to_rest(trip);
+  const Request request = trip.navigator().request_for(retrace());
+  ASSERT_TRUE(request.start.trail);
+  const World world = World::load("flat");
+  Planner planner(robot_, world, DurationRule::paper);
+  int back = 0;
+  int refused = 0;
+  for (int k = -20; k <= 20; ++k) {
+    Limits limits = Limits::normal(robot_.profile());
+    limits.com_offset = {0.0, 0.005 * height_ * k};
+    const PlanResult result =
+        planner.retrace(*request.start.trail, request.start.context.anchor, limits, request.start.posture.heat);
+    const auto* planned = std::get_if<PlannedMotion>(&result);
+    if (planned == nullptr) {
+      ++refused;
+      EXPECT_EQ(std::get<Refusal>(result).reason, Reason::zmp) << k;
+      EXPECT_NE(k, 0);
+      continue;
+    }
+    ++back;
+    for (const MotionSample& sample : planned->motion->samples) {
+      const Vec2 zmp = sample.zmp + limits.com_offset;
+      for (const Side side : kSides) {
+        if (!sample.contact[side]) continue;
+        const ConvexPolygon outline = sole_outline(robot_, side, sample.sole[side]);
+        const Vec2 outward = sign_of(side) * (sample.sole[side].R * Vec3::UnitY()).head<2>().normalized();
+        double edge = -1e9;
+        for (const Vec2& corner : outline.vertices())
+          edge = std::max(edge, outward.dot(corner));
+        ASSERT_GE(edge - outward.dot(zmp), 0.24 * limits.zmp_outward) << k;
+      }
+    }
+  }
+  EXPECT_GT(back, 3);
+  EXPECT_GT(refused, 3);
 }
 
 TEST_P(RetracePartTest, LetGoOfOnTheWayItRestsWhereItCanAndTheRestOfTheWayStaysKnown) {

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -370,6 +371,9 @@ def test_the_robots_end_records_each_run_whatever_becomes_of_its_driver(tmp_path
     with simulated("--record", folder) as end:
         assert drive(end.address, 1).returncode == 0
         end.await_log("driver has handed the robot back")
-    assert (folder / "003.mcap").exists()
+        assert (folder / "003.mcap").exists()
+        shutil.rmtree(folder)
+        assert drive(end.address, 1).returncode == 0
+        end.await_log("this run is not recorded")
     done = subprocess.run([BATON, "robot", "--sim", "--targets", "--record", folder], capture_output=True, text=True)
     assert done.returncode == 2 and "--record with --targets" in done.stderr
