@@ -13,6 +13,7 @@ beforeAll(async () => {
 });
 
 afterEach(async () => {
+  for (const context of browser.contexts()) await context.close();
   await stop(run);
   robot?.kill('SIGKILL');
 });
