@@ -115,6 +115,7 @@ TEST_P(RetracePartTest, KeepsTheZmpFromOuterEdgesWhereverTheRobotSeemsToWeigh) {
   int refused = 0;
   for (int k = -20; k <= 20; ++k) {
     Limits limits = Limits::normal(robot_.profile());
+    limits.zmp_outward = 1.5 * robot_.sole_half_width();  // so that a quarter is more than what the verifier asks for
     limits.com_offset = {0.0, 0.005 * height_ * k};
     const PlanResult result =
         planner.retrace(*request.start.trail, request.start.context.anchor, limits, request.start.posture.heat);
