@@ -257,10 +257,8 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
     } catch (const InputError& error) {
       return refuse(peer, "posture", error.what());
     }
-  }
-  if (onboard_) {
     onboard_->hold(!fault_.empty());
-    parameters_.began(*onboard_, start.navigation.value_or(NavigationOptions{}));
+    parameters_.began(*onboard_, navigation);
   }
   stale_ = false;
   rest_logged_ = false;
@@ -413,7 +411,7 @@ void RobotServer::log_changes() {
   const auto* changed = find_event<GuardChanged>(onboard_->session().navigator().events());
   if (changed != nullptr) parameters_.log(std::string(text_of(changed->to)));
   const bool rests = !driver_ && resting();
-  if (rests && !std::exchange(rest_logged_, rests)) {
+  if (rests && !rest_logged_) {
     parameters_.log("at rest, without a driver");
     parameters_.ended();
   }

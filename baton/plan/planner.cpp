@@ -78,10 +78,7 @@ std::optional<Refusal> leans_out(const RobotModel& robot, const Motion& motion, 
       if (!sample.contact[side]) continue;
       const Pose& sole = sample.sole[side];
       const Vec3 from_sole = sole.R.transpose() * (Vec3(zmp.x(), zmp.y(), sole.p.z()) - sole.p);
-      double edge = 0.0;
-      for (const Vec2& corner : robot.sole(side).vertices())
-        edge = std::max(edge, sign_of(side) * corner.y());
-      const double inside = edge - sign_of(side) * from_sole.y();
+      const double inside = outer_edge(robot, side) - sign_of(side) * from_sole.y();
       if (inside < least) {
         return Refusal{Reason::zmp,
                        motion.goal.guided,

@@ -28,6 +28,13 @@ BySide<bool> only(Side side) {
 
 }  // namespace
 
+double outer_edge(const RobotModel& robot, Side side) {
+  double edge = 0.0;
+  for (const Vec2& corner : robot.sole(side).vertices())
+    edge = std::max(edge, sign_of(side) * corner.y());
+  return edge;
+}
+
 Segment::Segment(const RobotModel& robot, const Posture& from, const Goal& goal, const Limits& limits,
                  const PartRates& rates)
     : robot_(&robot),
@@ -146,9 +153,7 @@ ConvexPolygon Segment::within_outer_edges(ConvexPolygon support, const BySide<Po
   if (more <= 0.0) return support;
   for (const Side side : kSides) {
     if (!contact[side]) continue;
-    double edge = 0.0;
-    for (const Vec2& corner : robot_->sole(side).vertices())
-      edge = std::max(edge, sign_of(side) * corner.y());
+    const double edge = outer_edge(*robot_, side);
     const double far = 10.0 * robot_->profile().stance.com_height;
     std::array<Vec2, 4> corners;
     std::size_t k = 0;

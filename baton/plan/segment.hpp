@@ -10,6 +10,9 @@
 
 namespace baton {
 
+/// How far a sole reaches outward from its centre [m].
+[[nodiscard]] double outer_edge(const RobotModel& robot, Side side);
+
 class Segment {
  public:
   /// The phases follow from the swing foot. It stands and lands: double–single–double support (step). It stands and
