@@ -11,6 +11,7 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/condition_log.hpp"
 #include "app/inputs.hpp"
 #include "app/options.hpp"
 #include "app/outputs.hpp"
@@ -117,18 +118,14 @@ int drive(const DriveOptions& o) {
                   {"--record", o.files.record}},
                  read);
   Outputs outputs(simulation, o.files.report, o.files.trace, o.files.save_model);
+  ConditionLog condition(robot);
+  session.add(condition);
 
   if (o.files.record) {
-    nlohmann::json head = {{"robot", o.robot},
-                           {"world", o.world},
-                           {"on", on},
-                           {"seed", o.seed},
-                           {"duration", o.modes.duration},
-                           {"gait", o.modes.gait},
-                           {"on_limit", o.modes.on_limit},
-                           {"state", o.physics.state},
-                           {"drive", std::string(to_string(robot.profile().drive))}};
-    head.update(remote ? remote->settings() : plant_head(o.physics, on));
+    nlohmann::json head =
+        recording_head(o.robot, o.world, o.seed, modes_of(o.modes), state_named(o.physics.state), robot);
+    head["on"] = on;
+    head.update(nlohmann::json(remote ? remote->settings() : plant_settings(o.physics, on)));
     if (o.calibration) head["calibration_sum"] = checksum(read_input(*o.calibration, "--calibration"));
     if (o.gantry) head["hangs"] = true;
     if (remote && !remote->starts_in_stance()) head["start"] = vector_json(parameters.start->q);
@@ -167,9 +164,13 @@ int drive(const DriveOptions& o) {
   const auto step = [&](const std::function<Command()>& stick) {
     if (!remote) {
       session.step(stick());
+      for (const ConditionLog::Line& line : condition.take())
+        spdlog::log(line.warning ? spdlog::level::warn : spdlog::level::info, "{:.2f} s: {}", line.t, line.text);
       return true;
     }
     const bool follows = remote->step(session, stick);
+    for (const ConditionLog::Line& line : condition.take())
+      remote->note(line.warning, line.what, line.text);
     for (const LinkNote& note : remote->notes())
       outputs.note(note.what, note.text);
     return follows;
@@ -231,6 +232,8 @@ int drive(const DriveOptions& o) {
   nlohmann::json extra = {{"loop", std::move(loop)}};
   if (remote) extra["link"] = remote->json();
   const std::string broken = remote ? remote->broken() : "";
+  const Guard guard = session.navigator().guard();
+  const bool lies = session.truth() == nullptr && guard == Guard::fallen;
   const auto finish = [&] {
     const nlohmann::json summary = outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
     const auto number = [](const nlohmann::json& value, const char* format) {  // unknown without truth
@@ -239,18 +242,25 @@ int drive(const DriveOptions& o) {
     const nlohmann::json& commands = summary["commands"];
     const std::string how_it_ended = session.fallen()             ? "fallen: " + simulation.truth().fall
                                      : !broken.empty()            ? "not followed to its end"
+                                     : lies                       ? "fallen, by its sensors"
+                                     : guard == Guard::lifted     ? "lifted, by its sensors"
                                      : session.truth() == nullptr ? "on its feet, as far as its sensors tell"
                                                                   : "on its feet";
     const bool recorded = !summary.contains("recording") || summary["recording"]["complete"].get<bool>();
-    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}{}\n", session.t(), o.on,
+    std::string rejected;
+    for (const auto& [sensor, count] : summary["sensors"].items()) {
+      if (count["lost"] > 0)
+        rejected += fmt::format("; {} rejected for {:.1f} s", sensor, period * count["rejected_ticks"].get<double>());
+    }
+    fmt::print("{:.1f} s on {} in {}: {} segments, {} of {} commands moved, {} m, {}{}{}\n", session.t(), o.on,
                world.name(), summary["segments"]["committed"].get<long>(), number(commands["moved"], "{:.0f}"),
-               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"), how_it_ended,
+               commands["given"].get<long>(), number(summary["travel_m"], "{:.2f}"), how_it_ended, rejected,
                recorded ? "" : "; the recording is not complete");
     std::fflush(stdout);
   };
   if (!session.fallen()) {
     finish();
-    if (broken.empty()) return kDone;
+    if (broken.empty()) return lies ? kFallen : kDone;
     spdlog::error("{}", broken);
     return kFailed;
   }

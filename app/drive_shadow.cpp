@@ -47,17 +47,7 @@ class ShadowRecording {
   ShadowRecording(const DriveOptions& o, const RobotModel& robot, const World& world, const Posture& start,
                   const link::Welcome& welcome)
       : session_(robot, world, watched_, start, {modes_of(o.modes), state_named(o.physics.state), &planning_}),
-        recording_(recording_of(session_, *o.files.record,
-                                {{"robot", o.robot},
-                                 {"world", o.world},
-                                 {"on", welcome.on},
-                                 {"seed", o.seed},
-                                 {"duration", o.modes.duration},
-                                 {"gait", o.modes.gait},
-                                 {"on_limit", o.modes.on_limit},
-                                 {"state", o.physics.state},
-                                 {"drive", std::string(to_string(robot.profile().drive))},
-                                 {"start", vector_json(start.q)}},
+        recording_(recording_of(session_, *o.files.record, head(o, robot, start, welcome),
                                 origins_of(o.robot, robot, world), !welcome.lock_step, {})) {
     session_.add(*recording_);
   }
@@ -70,6 +60,14 @@ class ShadowRecording {
   std::string close() { return recording_->close(); }
 
  private:
+  static nlohmann::json head(const DriveOptions& o, const RobotModel& robot, const Posture& start,
+                             const link::Welcome& welcome) {
+    nlohmann::json head =
+        recording_head(o.robot, o.world, o.seed, modes_of(o.modes), state_named(o.physics.state), robot);
+    head.update({{"on", welcome.on}, {"start", vector_json(start.q)}});
+    return head;
+  }
+
   Watched watched_;
   NoPlanning planning_;
   Session session_;

@@ -43,20 +43,19 @@ std::string plant_name(const PhysicsOptions& options, const std::string& on) {
   return is_real(options, on) ? "real" : "model";
 }
 
-nlohmann::json plant_head(const PhysicsOptions& options, const std::string& on) {
-  nlohmann::json head = nlohmann::json::object();
-  if (on != "sim") return head;
-  head["plant"] = plant_name(options, on);
-  if (options.scenario) head.update({{"scenario", *options.scenario}, {"times", fmt::format("{}", options.times)}});
-  return head;
+std::map<std::string, std::string> plant_settings(const PhysicsOptions& options, const std::string& on) {
+  if (on != "sim") return {};
+  std::map<std::string, std::string> settings{{"plant", plant_name(options, on)}};
+  if (options.scenario) settings.insert({{"scenario", *options.scenario}, {"times", fmt::format("{}", options.times)}});
+  return settings;
 }
 
-nlohmann::json plant_settings(const std::map<std::string, std::string>& settings) {
-  nlohmann::json head = nlohmann::json::object();
+std::map<std::string, std::string> plant_settings(const std::map<std::string, std::string>& settings) {
+  std::map<std::string, std::string> plant;
   for (const char* name : {"plant", "scenario", "times"}) {
-    if (const auto found = settings.find(name); found != settings.end()) head[name] = found->second;
+    if (const auto found = settings.find(name); found != settings.end()) plant.insert(*found);
   }
-  return head;
+  return plant;
 }
 
 void check_times(const Scenario& scenario, double times) {

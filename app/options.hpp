@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/commands.hpp"
@@ -35,10 +34,10 @@ namespace baton::app {
 
 /// Plant and scenario of a simulated robot, for the settings of a recording; nothing if it is ideal.
 /// @param on sim or ideal
-[[nodiscard]] nlohmann::json plant_head(const PhysicsOptions& options, const std::string& on);
+[[nodiscard]] std::map<std::string, std::string> plant_settings(const PhysicsOptions& options, const std::string& on);
 
 /// Those of another end's settings that are about its plant: no other can change what a recording says.
-[[nodiscard]] nlohmann::json plant_settings(const std::map<std::string, std::string>& settings);
+[[nodiscard]] std::map<std::string, std::string> plant_settings(const std::map<std::string, std::string>& settings);
 
 /// Checks that a plant or scenario is only asked for in physics.
 /// @param on sim or ideal

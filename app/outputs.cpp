@@ -27,15 +27,6 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return name(a) == name(b);
 }
 
-/// The robot's profile with all that is derived, as TOML.
-std::string derived_profile(const std::filesystem::path& file) {
-  const bool given = file.extension() == ".toml";
-  const toml::table table = given ? parse_toml(file, "profile") : toml::table{{"model", file.filename().string()}};
-  std::ostringstream text;
-  text << complete(table, file.parent_path(), file.string()).table << '\n';
-  return text.str();
-}
-
 }  // namespace
 
 void check_distinct(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
@@ -80,14 +71,37 @@ Outputs::Outputs(Simulation& simulation, const std::optional<std::filesystem::pa
   if (trace) session.add(trace_.emplace(session.model(), *trace));
 }
 
+std::string whole_profile(const std::string& robot, const std::optional<std::filesystem::path>& model) {
+  const std::filesystem::path file = profile_file(robot);
+  const bool given = file.extension() == ".toml";
+  const toml::table table = given ? parse_toml(file, "profile") : toml::table{{"model", file.filename().string()}};
+  toml::table whole = complete(table, file.parent_path(), file.string()).table;
+  if (model) whole.insert_or_assign("model", model->string());
+  std::ostringstream text;
+  text << whole << '\n';
+  return text.str();
+}
+
 Origins origins_of(const std::string& robot, const RobotModel& model, const World& world) {
-  std::string profile = derived_profile(profile_file(robot));
+  std::string profile = whole_profile(robot);
   return {{{"baton", version()},
            {"mujoco", mj_versionString()},
            {"model_sum", checksum(read_input(model.profile().model, "model"))},
            {"world_sum", checksum(read_input(world.file(), "world"))},
            {"profile_sum", checksum(profile)}},
           std::move(profile)};
+}
+
+nlohmann::json recording_head(const std::string& robot, const std::string& world, long seed, Modes modes,
+                              StateSource state, const RobotModel& model) {
+  return {{"robot", robot},
+          {"world", world},
+          {"seed", seed},
+          {"duration", to_string(modes.duration)},
+          {"gait", to_string(modes.gait)},
+          {"on_limit", to_string(modes.on_limit)},
+          {"state", to_string(state)},
+          {"drive", to_string(model.profile().drive)}};
 }
 
 std::unique_ptr<RecordingWriter> recording_of(const Session& session, const std::filesystem::path& file,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "baton/plan/modes.hpp"
 #include "baton/record/output_file.hpp"
 #include "baton/record/recording.hpp"
 #include "baton/record/report.hpp"
@@ -43,6 +44,13 @@ void make_folder(const std::filesystem::path& folder, const std::string& option)
 /// Elapsed wall-clock time [s].
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 
+/// The robot's profile with all that is derived, as TOML.
+/// @param robot as given to `--robot`
+/// @param model to be named in it; else it is as in the robot's profile, relative to that
+/// @throws InputError a file cannot be read, or is none of a robot
+[[nodiscard]] std::string whole_profile(const std::string& robot,
+                                        const std::optional<std::filesystem::path>& model = std::nullopt);
+
 /// What a run depends on beyond its settings.
 struct Origins {
   nlohmann::json sums;  ///< versions of programs, checksums of files; for the settings of a recording
@@ -52,6 +60,11 @@ struct Origins {
 /// @param robot as given to `--robot`
 /// @throws InputError a file cannot be read any more
 [[nodiscard]] Origins origins_of(const std::string& robot, const RobotModel& model, const World& world);
+
+/// The settings of a run that every recording has. Which robot it was `on` is to be added.
+/// @param robot, world as given to `--robot` and `--world`
+[[nodiscard]] nlohmann::json recording_head(const std::string& robot, const std::string& world, long seed, Modes modes,
+                                            StateSource state, const RobotModel& model);
 
 /// A recording of a session, for it to have as a sink. Warns once when it cannot be complete.
 /// @param head robot, world and modes of the run; the sums of `origins` are added

@@ -9,12 +9,11 @@
 #include "app/outputs.hpp"
 #include "baton/mcap/reader.hpp"
 #include "baton/mcap/writer.hpp"
+#include "baton/record/recording.hpp"
 #include "baton/record/recording_file.hpp"
 
 namespace baton::app {
 namespace {
-
-constexpr std::uint64_t kChunk = 80'000'000;  ///< time of a chunk's messages [ns]
 
 /// Writes what is read of a file into another one.
 class Copy {
@@ -31,7 +30,7 @@ class Copy {
   long run() {
     long messages = 0;
     for (; const std::optional<mcap::Message> message = from_->next(); ++messages) {
-      if (!chunk_.empty() && message->log_time - chunk_.entries().front().time >= kChunk) write();
+      if (!chunk_.empty() && message->log_time - chunk_.entries().front().time >= kChunkTime) write();
       chunk_.add(channel(message->channel), message->sequence, message->log_time, message->data);
     }
     if (!chunk_.empty()) write();

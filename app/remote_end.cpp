@@ -49,7 +49,7 @@ RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World
     throw InputError(fmt::format("the robot at {}: {}", o.on, *what));
 }
 
-nlohmann::json RemoteEnd::settings() const {
+std::map<std::string, std::string> RemoteEnd::settings() const {
   return plant_settings(welcome().settings);
 }
 
@@ -94,7 +94,6 @@ bool RemoteEnd::step(Session& session, const std::function<Command()>& stick) {
     t_ = session.t();
     look_fault();
     if (engaging_) look_engaged(session);
-    if (hangs_) look_lifted(session);
     warn();
     if (const std::string why = remote_->follows_no_longer(); !why.empty()) end(why);
   } catch (const LinkError& error) {
@@ -186,13 +185,6 @@ void RemoteEnd::look_engaged(const Session& session) {
     const bool refused = session.navigator().refusal() != nullptr;
     spdlog::warn("does not find to its stance{}: guide it from where it is", refused ? ", refused" : "");
   }
-}
-
-void RemoteEnd::look_lifted(const Session& session) {
-  const auto* changed = find_event<GuardChanged>(session.navigator().events());
-  if (changed == nullptr) return;
-  if (changed->to == Guard::lifted) spdlog::info("lifted");
-  if (changed->to == Guard::armed) spdlog::info("stands, and can be guided");
 }
 
 void RemoteEnd::warn() {

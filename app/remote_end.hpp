@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -35,7 +36,7 @@ class RemoteEnd {
   [[nodiscard]] std::unique_ptr<Robot> robot() { return std::move(owned_); }
   [[nodiscard]] const link::Welcome& welcome() const { return remote_->welcome(); }
   /// What a simulator at the other end says of its plant, for the settings of a recording.
-  [[nodiscard]] nlohmann::json settings() const;
+  [[nodiscard]] std::map<std::string, std::string> settings() const;
   /// Where a session begins: for a robot that hangs, in its stance.
   /// @param calibration what is known of the sensors' errors
   /// @throws InputError the robot does not stand on both soles
@@ -65,6 +66,8 @@ class RemoteEnd {
   /// Why it follows no longer; "": it does.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
+  /// Lets the log, the report and who asks for notes know.
+  void note(bool warning, const char* what, const std::string& text);
   /// What has happened since the last call; it has been logged.
   [[nodiscard]] std::vector<LinkNote> notes() { return std::exchange(new_notes_, {}); }
   /// For the operator while the stick does not count, because of the link or the robot; else "".
@@ -75,13 +78,10 @@ class RemoteEnd {
 
  private:
   void look_engaged(const Session& session);
-  void look_lifted(const Session& session);
   void look_held(Session& session);
   void look_late();
   void look_fault();
   void warn();
-  /// Lets the log, the report and who asks for notes know.
-  void note(bool warning, const char* what, const std::string& text);
   void end(const std::string& why);
 
   std::string address_;

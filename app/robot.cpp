@@ -92,7 +92,7 @@ int robot(const RobotOptions& o) {
                                            .real_time = o.real_time || o.on,
                                            .navigates_in = o.targets ? nullptr : &world,
                                            .log = [](const std::string& text) { spdlog::info("{}", text); }};
-  if (o.sim) parameters.settings = plant_head(o.physics, "sim").get<std::map<std::string, std::string>>();
+  if (o.sim) parameters.settings = plant_settings(o.physics, "sim");
   parameters.planning = [&, live = parameters.real_time](Modes modes) { return planner_of(model, world, modes, live); };
   if (o.gantry && o.sim && !o.targets)
     throw InputError("--gantry with --sim: goes with --targets, as a robot that navigates by itself begins standing");
@@ -108,7 +108,7 @@ int robot(const RobotOptions& o) {
   if (o.record) {
     if (o.targets)
       throw InputError("--record with --targets: only what navigates can be recorded, so at the driver's end");
-    nlohmann::json settings = plant_settings(parameters.settings);
+    std::map<std::string, std::string> settings = plant_settings(parameters.settings);
     settings["on"] = parameters.on;
     recording.emplace(o, model, world, *o.record, std::move(settings));
     parameters.began = [&](link::Onboard& onboard, const link::NavigationOptions& navigation) {

@@ -13,7 +13,7 @@
 namespace baton::app {
 
 RobotRecording::RobotRecording(const RobotOptions& options, const RobotModel& model, const World& world,
-                               std::filesystem::path folder, nlohmann::json settings)
+                               std::filesystem::path folder, std::map<std::string, std::string> settings)
     : options_(options),
       folder_(std::move(folder)),
       settings_(std::move(settings)),
@@ -25,16 +25,10 @@ void RobotRecording::begin(link::Onboard& onboard, const link::NavigationOptions
   end();
   Session& session = onboard.session();
   const RobotModel& model = session.model();
-  nlohmann::json head = {{"robot", options_.robot},
-                         {"world", options_.world},
-                         {"seed", options_.seed},
-                         {"duration", to_string(navigation.modes.duration)},
-                         {"gait", to_string(navigation.modes.gait)},
-                         {"on_limit", to_string(navigation.modes.on_limit)},
-                         {"state", to_string(navigation.source)},
-                         {"drive", to_string(model.profile().drive)},
-                         {"end", "robot"}};
-  head.update(settings_);
+  nlohmann::json head =
+      recording_head(options_.robot, options_.world, options_.seed, navigation.modes, navigation.source, model);
+  head["end"] = "robot";
+  head.update(nlohmann::json(settings_));
   if (navigation.hangs) head["hangs"] = true;
   const VecX& start = session.start().q;
   if (!link::in_stance(model, start.tail(model.nv() - 6))) head["start"] = vector_json(start);

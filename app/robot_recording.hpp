@@ -3,8 +3,8 @@
 
 #include <filesystem>
 #include <future>
+#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -21,7 +21,7 @@ class RobotRecording : private Sink {
   /// @param settings of the robot: `on`, and plant and scenario of a simulated one
   /// @throws InputError it cannot be created
   RobotRecording(const RobotOptions& options, const RobotModel& model, const World& world, std::filesystem::path folder,
-                 nlohmann::json settings);
+                 std::map<std::string, std::string> settings);
 
   /// A driver has started a navigator: a new file begins. If it cannot be written, that is logged, and the run goes on.
   void begin(link::Onboard& onboard, const link::NavigationOptions& navigation);
@@ -39,7 +39,7 @@ class RobotRecording : private Sink {
   RobotOptions options_;
   std::filesystem::path folder_;
   int number_ = 0;
-  nlohmann::json settings_;
+  std::map<std::string, std::string> settings_;
   Origins origins_;
   std::unique_ptr<RecordingWriter> writer_;  ///< null between two runs
   std::vector<std::future<void>> closing_;   ///< files that are being finished

@@ -60,6 +60,8 @@ class SensorCheck {
   /// @param planned sample of this tick
   [[nodiscard]] const Measurement& check(const Measurement& measurement, const MotionSample& planned);
 
+  /// What `check` returned last.
+  [[nodiscard]] const Measurement& believed() const { return checked_; }
   [[nodiscard]] Health health(Sensor sensor) const;
   /// Whether any sensor is lost.
   [[nodiscard]] bool lost() const;

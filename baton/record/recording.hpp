@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -22,6 +23,9 @@
 #include "baton/run/sink.hpp"
 
 namespace baton {
+
+/// Time for which a chunk is filled [ns]: most of what a kill costs.
+inline constexpr std::uint64_t kChunkTime = 80'000'000;
 
 /// Checksum over all bits of a joint target.
 [[nodiscard]] std::string checksum(const JointTarget& target);

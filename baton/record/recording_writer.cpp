@@ -14,9 +14,8 @@
 namespace baton {
 namespace {
 
-constexpr std::uint64_t kChunk = 80'000'000;  ///< time for which a chunk is filled: most of what a kill costs [ns]
-constexpr double kEstimates = 0.04;           ///< from estimates to estimates [s]
-constexpr double kRounding = 1e5;             ///< of estimates [1/m]
+constexpr double kEstimates = 0.04;  ///< from estimates to estimates [s]
+constexpr double kRounding = 1e5;    ///< of estimates [1/m]
 constexpr const char* kWorldFrame = "world";
 constexpr const char* kRootFrame = "root";
 
@@ -133,7 +132,7 @@ void RecordingWriter::warn(const std::string& why) {
 }
 
 bool RecordingWriter::begin(std::uint64_t time) {
-  if (chunk_ != nullptr && !chunk_->empty() && time - begun_ >= kChunk) {
+  if (chunk_ != nullptr && !chunk_->empty() && time - begun_ >= kChunkTime) {
     thread_.hand_over();
     chunk_ = nullptr;
   }

@@ -12,6 +12,7 @@
 #include "baton/robot/glitches.hpp"
 #include "baton/run/simulation.hpp"
 #include "tests/support/glitches.hpp"
+#include "tests/support/glitchy_robot.hpp"
 #include "tests/support/robots.hpp"
 
 namespace baton {
@@ -34,27 +35,6 @@ bool all_good(const SensorCheck& sensors) {
   return std::all_of(kSensors.begin(), kSensors.end(),
                      [&](Sensor sensor) { return sensors.health(sensor) == Health::good; });
 }
-
-/// A robot whose readings are spoiled.
-class GlitchyRobot : public Robot {
- public:
-  explicit GlitchyRobot(Robot& robot) : robot_(&robot) {}
-  [[nodiscard]] Measurement read() override {
-    Measurement m = robot_->read();
-    if (spoil) spoil(m);
-    return m;
-  }
-  void write(const JointTarget& target) override {
-    ASSERT_TRUE(target.q.allFinite() && target.dq.allFinite() && target.tau.allFinite());
-    robot_->write(target);
-  }
-  [[nodiscard]] const Truth* truth() const override { return robot_->truth(); }
-
-  std::function<void(Measurement&)> spoil;
-
- private:
-  Robot* robot_;
-};
 
 class SensorCheckTest : public testing::TestWithParam<std::string> {
  protected:
@@ -224,7 +204,7 @@ TEST_P(SensorCheckTest, ForcesOfTheWrongFootAreToldFromTheMotorTorques) {
 void drive_with_glitches(const RobotModel& robot, const World& world, const std::string& scenario, std::uint64_t seed,
                          double seconds) {
   Simulation simulation(robot, world, On::sim);
-  GlitchyRobot glitchy(*simulation.simulated());
+  test::GlitchyRobot glitchy(*simulation.simulated());
   Session session(robot, world, glitchy, stand(robot, world.site("start"), robot.profile().stance.com_height));
   const std::unique_ptr<Device> stick = stick_of(scenario_named(scenario), robot, seed);
   Glitches glitches(2.0, robot.profile().tick.period, seed);
@@ -257,7 +237,7 @@ TEST_P(SensorCheckRunsTest, AccelerometersWithTwoAxesExchangedMakeNoWalkingRobot
     Simulation::Parameters parameters;
     parameters.physics.plant = real_plant(robot_, seed);
     Simulation simulation(robot_, flat_, On::sim, parameters);
-    GlitchyRobot glitchy(*simulation.simulated());
+    test::GlitchyRobot glitchy(*simulation.simulated());
     Session session(robot_, flat_, glitchy, stand(robot_, flat_.site("start"), robot_.profile().stance.com_height));
     Command ahead;
     ahead.axes[0] = 1.0;
@@ -281,7 +261,7 @@ TEST(SensorCheck, ARobotThatReturnsVectorsOfAnotherLengthIsNamed) {
   const RobotModel& robot = test::robot("mighty");
   const World flat = World::load("flat");
   Simulation simulation(robot, flat, On::sim);
-  GlitchyRobot odd(*simulation.simulated());
+  test::GlitchyRobot odd(*simulation.simulated());
   Session session(robot, flat, odd, stand(robot, flat.site("start"), robot.profile().stance.com_height));
   odd.spoil = [](Measurement& m) { m.q.conservativeResize(m.q.size() - 1); };
   try {
