@@ -1,11 +1,13 @@
 #include "baton/link/message.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -53,7 +55,13 @@ class Writer {
 /// Takes them out again.
 class Reader {
  public:
-  Reader(const char* what, const std::string& body) : what_(what), body_(&body) {}
+  /// @param sizes that the body may have [bytes]; empty: any
+  /// @throws Malformed it has another
+  Reader(const char* what, const std::string& body, std::initializer_list<std::size_t> sizes = {})
+      : what_(what), body_(&body) {
+    if (sizes.size() > 0 && std::find(sizes.begin(), sizes.end(), body.size()) == sizes.end())
+      throw Malformed(fmt::format("a {} of {} bytes: must be {}", what, body.size(), fmt::join(sizes, " or ")));
+  }
 
   template <typename Number>
   Number number() {
@@ -93,9 +101,6 @@ class Reader {
   }
   [[nodiscard]] std::size_t left() const { return body_->size() - at_; }
   std::string rest() { return body_->substr(std::exchange(at_, body_->size())); }
-  void end() const {
-    if (left() > 0) throw Malformed(fmt::format("a {} of {} bytes is too long", what_, body_->size()));
-  }
 
  private:
   const char* what_;
@@ -416,28 +421,34 @@ Reading read_reading(Reader& reader, Eigen::Index joints) {
     m.root->velocity = reader.vector();
     m.root->rate = reader.vector();
   }
-  reader.end();
   return reading;
 }
+
+/// Bytes of a measurement without a root, and of the root.
+std::size_t reading_size(Eigen::Index joints) {
+  return 256 + 24 * static_cast<std::size_t>(joints);
+}
+constexpr std::size_t kRootSize = 144;
 
 }  // namespace
 
 Reading decode_reading(const std::string& body, Eigen::Index joints) {
-  Reader reader("measurement", body);
+  const std::size_t size = reading_size(joints);
+  Reader reader("measurement", body, {size, size + kRootSize});
   return read_reading(reader, joints);
 }
 
 StickPosition decode_stick(const std::string& body) {
-  Reader reader("command", body);
+  Reader reader("command", body, {74});
   StickPosition stick;
   stick.seen = reader.number<std::uint64_t>();
   stick.command = read_command(reader);
-  reader.end();
   return stick;
 }
 
 Tick decode_tick(const std::string& body, Eigen::Index joints) {
-  Reader reader("tick", body);
+  const std::size_t size = 70 + 8 * static_cast<std::size_t>(joints) + reading_size(joints);
+  Reader reader("tick", body, {size, size + kRootSize});
   Tick tick;
   tick.command = read_command(reader);
   tick.stale = reader.below(2, "a flag") == 1;
@@ -451,13 +462,12 @@ Tick decode_tick(const std::string& body, Eigen::Index joints) {
 }
 
 Target decode_target(const std::string& body, Eigen::Index joints) {
-  Reader reader("target", body);
+  Reader reader("target", body, {8 + 24 * static_cast<std::size_t>(joints)});
   Target target;
   target.sequence = reader.number<std::uint64_t>();
   target.q = reader.vector(joints);
   target.dq = reader.vector(joints);
   target.tau = reader.vector(joints);
-  reader.end();
   return target;
 }
 

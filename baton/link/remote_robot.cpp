@@ -83,9 +83,12 @@ void check_robot(const RobotModel& model, const std::string& world, const Welcom
   };
   const std::vector<Joint>& own = model.joints();
   for (std::size_t i = 0; i < std::max(own.size(), welcome.joints.size()); ++i) {
-    const std::string mine = i < own.size() ? own[i].name : "none";
-    const std::string theirs = i < welcome.joints.size() ? welcome.joints[i] : "none";
-    if (mine != theirs) because(fmt::format("has '{}' as joint {}: must be '{}'", theirs, i, mine));
+    if (i >= welcome.joints.size())
+      because(fmt::format("has {} joints, and none with the number {}: must be '{}'", i, i, own[i].name));
+    if (i >= own.size())
+      because(fmt::format("has {} joints: must be {}, without '{}'", welcome.joints.size(), i, welcome.joints[i]));
+    if (own[i].name != welcome.joints[i])
+      because(fmt::format("has '{}' as joint {}: must be '{}'", welcome.joints[i], i, own[i].name));
   }
   if (std::abs(welcome.period - profile.tick.period) > 1e-9)
     because(fmt::format("has a tick of {} s: must be {} s", welcome.period, profile.tick.period));
@@ -94,7 +97,8 @@ void check_robot(const RobotModel& model, const std::string& world, const Welcom
     if (!wider.empty()) because(wider);
   }
   if (!welcome.world.empty() && welcome.world != world)
-    throw InputError(fmt::format("--world {}: the robot at {} stands in '{}'", world, from.text(), welcome.world));
+    throw InputError(fmt::format("--world {}: the robot at {} stands in '{}': must be --world {}", world, from.text(),
+                                 welcome.world, welcome.world));
 }
 
 RemoteRobot::RemoteRobot(const RobotModel& model, const std::string& world, const Parameters& parameters)

@@ -168,8 +168,8 @@ TEST(LinkMessage, ACommandOfAPartOrRecallThatThereIsNotIsMalformed) {
     recall[9] = static_cast<char>(value);
     EXPECT_EQ(malformed([&] { (void)decode_stick(recall); }).empty(), value < 4) << value;
   }
-  EXPECT_THAT(malformed([&] { (void)decode_stick(good + "x"); }), HasSubstr("a command of 75 bytes is too long"));
-  EXPECT_THAT(malformed([&] { (void)decode_stick(good.substr(1)); }), HasSubstr("too short"));
+  EXPECT_THAT(malformed([&] { (void)decode_stick(good + "x"); }), HasSubstr("a command of 75 bytes: must be 74"));
+  EXPECT_THAT(malformed([&] { (void)decode_stick(good.substr(1)); }), HasSubstr("of 73 bytes: must be 74"));
 }
 
 TEST(LinkMessage, TheMannerOfNavigationIsWhatWasAskedFor) {

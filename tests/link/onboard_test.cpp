@@ -242,7 +242,7 @@ TEST_P(OnboardTest, WhatIsOutOfPlaceEndsTheConnectionAndNotTheMotion) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {framed(Type::target, encode(Target{0, zero, zero, zero})), "a target: must be a command"},
       {framed(Type::command, encode(StickPosition{9, {}})), "a command after tick 9: must be at most 3"},
-      {framed(Type::command, "short"), "too short"},
+      {framed(Type::command, "short"), "of 5 bytes: must be 74"},
       {framed(Type::damp, encode(StickPosition{3, {}})), "text"},  // a command but for a bit of its type
       {framed(Type::tick, ""), "a message of type 12 from a driver"},
       {framed(Type::start, encode(start_of(robot_))), "a second start"},
