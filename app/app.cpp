@@ -319,6 +319,12 @@ int parse_and_run(std::vector<std::string> args) {
   add_check(*check_command, check_options);
 
   CLI::App* robots_command = app.add_subcommand("robots", "List the robots that --robot knows by name");
+  CLI::App* profile_command = app.add_subcommand("profile", "Print a robot's profile with all that is derived");
+  std::string profile_robot = "mighty";
+  profile_command
+      ->add_option("robot", profile_robot,
+                   "Robot: a folder of robots/, a profile's .toml file, or a model's .xml or .urdf file")
+      ->capture_default_str();
 
   RobotOptions robot_options;
   CLI::App* robot_command = app.add_subcommand("robot", "Be the robot's end of a connection, for drive --on tcp://...");
@@ -443,6 +449,7 @@ int parse_and_run(std::vector<std::string> args) {
   if (calibrate_command->parsed()) return calibrate(calibrate_options);
   if (check_command->parsed()) return check(check_options);
   if (robots_command->parsed()) return robots();
+  if (profile_command->parsed()) return profile(profile_robot);
   if (robot_command->parsed()) return robot(robot_options);
   if (bridge_rcss_command->parsed()) return bridge_rcss(bridge_rcss_options);
   if (damp_command->parsed()) return damp(damp_options);

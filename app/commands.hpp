@@ -200,6 +200,11 @@ int calibrate(const CalibrateOptions& options);
 int bridge_rcss(const BridgeRcssOptions& options);
 int check(const CheckOptions& options);
 int robots();
+
+/// Prints a robot's profile with all that is derived.
+/// @param robot as given to `--robot`
+/// @throws InputError it is no robot
+int profile(const std::string& robot);
 int damp(const DampOptions& options);
 int drive(const DriveOptions& options);
 int drive_in_shadow(const DriveOptions& options);

@@ -5,6 +5,7 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
+#include "app/outputs.hpp"
 #include "baton/model/error.hpp"
 #include "baton/model/robot_model.hpp"
 #include "baton/model/toml_reader.hpp"
@@ -25,6 +26,12 @@ int robots() {
     fmt::print("{:10}  {}\n", file.parent_path().filename().string(),
                std::filesystem::exists(model, ignored) ? model.string() : "its model is not there: run `make robots`");
   }
+  return kDone;
+}
+
+int profile(const std::string& robot) {
+  const std::filesystem::path model = RobotModel::load(robot).profile().model;
+  fmt::print("{}", whole_profile(robot, std::filesystem::absolute(model)));
   return kDone;
 }
 

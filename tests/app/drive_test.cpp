@@ -156,6 +156,28 @@ TEST(Drive, TheSameScriptGivesTheSameTrace) {
   }
 }
 
+TEST(Drive, APrintedProfileHasAllThatIsDerivedAndDrivesTheSame) {
+  const Scratch scratch;
+  const std::string script = "script:" + scratch.write("walk.jsonl", kWalkAhead);
+  const Outcome printed = run({"profile"});
+  ASSERT_EQ(printed.code, app::kDone) << printed.err;
+  EXPECT_THAT(printed.out, HasSubstr("zmp_outward"));
+  const std::string whole = scratch.write("whole.toml", printed.out);
+  for (const std::string& robot : {std::string("mighty"), whole}) {
+    const std::string file = robot == whole ? "whole.csv" : "short.csv";
+    ASSERT_EQ(run({"--robot", robot, "--world", "room", "--input", script, "--fast", "--seconds", "4", "--trace",
+                   scratch.path(file)})
+                  .code,
+              app::kDone);
+  }
+  EXPECT_EQ(scratch.read("whole.csv"), scratch.read("short.csv"));
+  EXPECT_GT(scratch.read("short.csv").size(), 100000u);
+  EXPECT_EQ(run({"profile", whole}).out, printed.out);
+  const Outcome nobody = run({"profile", "nobody"});
+  EXPECT_EQ(nobody.code, app::kBadInput);
+  EXPECT_THAT(nobody.err, HasSubstr("nobody"));
+}
+
 TEST(Drive, BadInputIsOneClearLineAndExitCodeTwo) {
   const Scratch scratch;
   const std::string script = "script:" + scratch.write("ok.jsonl", kWalkAhead);

@@ -28,10 +28,15 @@ std::filesystem::path folder_of_mighty() {
   return share_dir() / "robots" / "mighty";
 }
 
+/// A profile with all keys, with the values that it was tuned to.
+std::filesystem::path tuned_profile(const std::string& robot) {
+  return robot == "scaled" ? std::filesystem::path(BATON_SCALED_ROBOT) / "profile.toml"
+                           : std::filesystem::path(BATON_SOURCE_DIR) / "tests" / "robots" / "tuned" / "profile.toml";
+}
+
 /// What a robot's profile keeps when everything that follows from the model is left out.
 toml::table short_profile(const std::string& robot) {
-  const std::filesystem::path file =
-      robot == "scaled" ? std::filesystem::path(BATON_SCALED_ROBOT) / "profile.toml" : profile_file(robot);
+  const std::filesystem::path file = tuned_profile(robot);
   const toml::table whole = toml::parse_file(file.string());
   toml::table kept;
   kept.insert("model", (file.parent_path() / whole["model"].value_or(std::string())).string());
@@ -58,9 +63,7 @@ class DeriveTest : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Robots, DeriveTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
 TEST_P(DeriveTest, GivesTheValuesThatTheProfileWasTunedTo) {
-  const std::filesystem::path file =
-      GetParam() == "scaled" ? std::filesystem::path(BATON_SCALED_ROBOT) / "profile.toml" : profile_file(GetParam());
-  toml::table tuned = toml::parse_file(file.string());
+  toml::table tuned = toml::parse_file(tuned_profile(GetParam()).string());
   toml::table derived = complete(short_profile(GetParam()), "/", "short.toml").table;
   for (toml::table* table : {&tuned, &derived})
     table->erase("drive");  // servos belong to the motors, not to the size
@@ -73,6 +76,22 @@ TEST_P(DeriveTest, GivesTheValuesThatTheProfileWasTunedTo) {
     ASSERT_TRUE(found.contains(key)) << key;
     EXPECT_NEAR(found[key], value, 2e-3 * std::abs(value) + (GetParam() == "scaled" ? 6e-3 : 0.0)) << key;
   }
+}
+
+TEST(MightysProfile, IsShortAndLeavesNothingOutThatIsNotDerivedToTheBit) {
+  const toml::table given = toml::parse_file(profile_file("mighty").string());
+  toml::table derived = complete(given, folder_of_mighty(), "profile.toml").table;
+  toml::table tuned = complete(toml::parse_file(tuned_profile("mighty").string()),
+                               tuned_profile("mighty").parent_path(), "profile.toml")
+                          .table;
+  std::map<std::string, double> wanted;
+  std::map<std::string, double> found;
+  collect_numbers(tuned, "", wanted);
+  collect_numbers(derived, "", found);
+  EXPECT_EQ(found, wanted);
+  std::map<std::string, double> stated;
+  collect_numbers(given, "", stated);
+  EXPECT_LT(stated.size(), 40U);  // most of them of home and of the motors' heat
 }
 
 TEST_P(DeriveTest, FindsThePartsWithoutTheirNames) {

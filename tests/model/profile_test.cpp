@@ -18,6 +18,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 const std::filesystem::path kMighty = std::filesystem::path(BATON_SOURCE_DIR) / "robots" / "mighty";
+/// With all of its keys.
+const std::filesystem::path kWhole =
+    std::filesystem::path(BATON_SOURCE_DIR) / "tests" / "robots" / "tuned" / "profile.toml";
 
 std::string text_of(const std::filesystem::path& file) {
   std::stringstream text;
@@ -33,7 +36,7 @@ std::filesystem::path write(const std::string& name, const std::string& text) {
 
 /// mighty's profile, beside no model: it points to the one in the repository.
 toml::table mighty_profile() {
-  toml::table table = toml::parse_file((kMighty / "profile.toml").string());
+  toml::table table = toml::parse_file(kWhole.string());
   table.insert_or_assign("model", (kMighty / "mighty.xml").string());
   return table;
 }
@@ -197,7 +200,7 @@ TEST(Profile, SaysWhichKeyItDoesNotKnow) {
 }
 
 TEST(Profile, MayStateTheErrorsOfSensorsAndActuators) {
-  const std::string stem = text_of(kMighty / "profile.toml");
+  const std::string stem = text_of(kWhole);
   const auto with = [&](const std::string& tables) {
     toml::table table = toml::parse(stem + tables);
     table.insert_or_assign("model", (kMighty / "mighty.xml").string());
@@ -269,7 +272,7 @@ TEST(Profile, NamesWhatTheModelHasNot) {
 TEST(Profile, NamesAFileThatIsNotOne) {
   EXPECT_THAT(complaint("nobody"), AllOf(HasSubstr("nobody"), HasSubstr("robots")));
   EXPECT_THAT(complaint("/no/such/place.toml"), HasSubstr("/no/such/place.toml"));
-  const std::string whole = text_of(kMighty / "profile.toml");
+  const std::string whole = text_of(kWhole);
   // Cut off anywhere, or with a stray character, it is either not TOML or not a profile.
   std::mt19937_64 random(21);
   for (int trial = 0; trial < 100; ++trial) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Judge a run by its trace alone: an independent program that shares no code with baton.
 
-    check_trace.py TRACE.csv --model MODEL.xml --profile robots/mighty/profile.toml [--on ideal|sim] [--report R.json]
+    check_trace.py TRACE.csv --model MODEL.xml --profile PROFILE.toml [--on ideal|sim] [--report R.json]
                    [--script S.jsonl]
 
 TRACE and MODEL are what `baton drive --trace TRACE --save-model MODEL` wrote. Every tick is looked at. Forces follow from

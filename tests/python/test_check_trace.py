@@ -10,7 +10,7 @@ import pytest
 
 import check_trace
 import random_script
-from test_random_scripts import BATON, MIGHTY, drive, scaled  # noqa: F401 (a fixture)
+from test_random_scripts import BATON, drive, scaled  # noqa: F401 (a fixture)
 
 pytestmark = pytest.mark.skipif(not BATON.is_file(), reason=f"no program at {BATON}: make build, or set BATON")
 

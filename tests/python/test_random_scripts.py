@@ -20,7 +20,7 @@ import random_script
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BATON = pathlib.Path(os.environ.get("BATON", ROOT / "build" / "release" / "baton"))
-MIGHTY = ROOT / "robots" / "mighty" / "profile.toml"
+TUNED = ROOT / "tests" / "robots" / "tuned"
 KINDS = {"step", "lift", "lower", "air", "shift", "reach"}
 SECONDS = 30
 
@@ -78,8 +78,9 @@ class Run:
         return check_trace.check(self.trace, self.model, self.profile, self.on, self.report)
 
 
-def drive(folder, script, *, world, on="ideal", profile=MIGHTY, seconds=SECONDS, ends=0, more=()):
-    """A run of the program; script: lines of JSON; ends: the exit status wanted; more: options."""
+def drive(folder, script, *, world, on="ideal", profile=None, seconds=SECONDS, ends=0, more=()):
+    """A run of the program; script: lines of JSON; profile: with all keys; ends: the exit status wanted; more: options."""
+    profile = profile or whole("mighty", folder)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "script.jsonl").write_text("".join(line + "\n" for line in script))
     outputs = ["--trace", folder / "trace.csv", "--save-model", folder / "model.xml", "--report", folder / "report.json"]
@@ -89,11 +90,19 @@ def drive(folder, script, *, world, on="ideal", profile=MIGHTY, seconds=SECONDS,
     return Run(folder, pathlib.Path(profile), on, run.stdout)
 
 
+def whole(robot, folder):
+    """The robot's profile with all that is derived, in a file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    printed = subprocess.run([BATON, "profile", robot], capture_output=True, text=True, check=True, timeout=60)
+    (folder / "profile.toml").write_text(printed.stdout)
+    return folder / "profile.toml"
+
+
 @pytest.fixture(scope="module")
 def scaled(tmp_path_factory):
     """The profile of a second biped, 1.7 times as large, with every name another."""
     out = tmp_path_factory.mktemp("scaled")
-    maker = [sys.executable, ROOT / "scripts" / "scale_robot.py", ROOT / "robots" / "mighty", out]
+    maker = [sys.executable, ROOT / "scripts" / "scale_robot.py", TUNED, out]
     subprocess.run([*maker, "--scale", "1.7", "--seed", "1"], check=True)
     return out / "profile.toml"
 
@@ -106,7 +115,7 @@ def driven(tmp_path_factory, scaled):
     @functools.cache
     def of(sample):
         script = random_script.lines(sample.seed, SECONDS, sample.style)
-        profile = MIGHTY if sample.robot == "mighty" else scaled
+        profile = None if sample.robot == "mighty" else scaled
         return drive(folder / str(sample), script, world=sample.world, on=sample.on, profile=profile)
 
     return of

@@ -138,9 +138,9 @@ TEST_F(Mutated, Script) {
 }
 
 TEST_F(Mutated, Profile) {
-  std::filesystem::copy_file(share_dir() / "robots" / "mighty" / "mighty.xml", scratch_.path("mighty.xml"));
-  expect_read_or_refused(read_input(share_dir() / "robots" / "mighty" / "profile.toml", "profile"), "profile.toml",
-                         [](const auto& file) { static_cast<void>(Profile::load(file)); });
+  const test::Outcome whole = test::run({"profile", "mighty"});
+  ASSERT_EQ(whole.code, app::kDone) << whole.err;
+  expect_read_or_refused(whole.out, "profile.toml", [](const auto& file) { static_cast<void>(Profile::load(file)); });
 }
 
 TEST_F(Mutated, Recording) {

