@@ -54,6 +54,13 @@ std::string heat_message(const Session& session) {
                      1e2 * hottest.total);
 }
 
+std::string arms_message(const Session& session) {
+  const Refusal* why = session.navigator().arms_refusal();
+  if (why == nullptr) return "";
+  return fmt::format("The arms cannot follow their targets, or only in part: {} ({}).", info(why->reason).text,
+                     place(*why));
+}
+
 View::View(const Simulation& simulation, int port, bool damps)
     : damps_(damps),
       scene_(compile_text(simulation.model_text(), "scene")),
@@ -136,6 +143,7 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   }
   if (frame.message.empty()) frame.message = notice;
   if (frame.message.empty()) frame.message = heat_message(session);
+  if (frame.message.empty()) frame.message = arms_message(session);
   cockpit_.publish(std::move(frame));
 }
 

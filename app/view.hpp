@@ -44,4 +44,7 @@ class View {
 /// What a robot with hot motors says; else empty.
 [[nodiscard]] std::string heat_message(const Session& session);
 
+/// What a robot says whose arms cannot follow what drives them; else empty.
+[[nodiscard]] std::string arms_message(const Session& session);
+
 }  // namespace baton::app

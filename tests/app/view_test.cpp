@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "tests/support/robots.hpp"
 
@@ -72,6 +75,42 @@ TEST_F(ViewTest, AWayBackThatIsRefusedIsRest) {
   EXPECT_EQ(hold({.recall = Recall::retrace}, 0.5), Seen{Activity::rest});
   ASSERT_TRUE(refusals_.newest());
   EXPECT_EQ(refusals_.newest()->reason, Reason::no_history);
+}
+
+TEST_F(ViewTest, ArmsThatCannotFollowWhatDrivesThemAreAMessage) {
+  const RobotModel& robot = session_.model();
+  EXPECT_EQ(app::arms_message(session_), "");
+  std::vector<std::string> joints;
+  std::vector<int> numbers;
+  for (const Side side : kSides) {
+    for (const int j : robot.arm(side)) {
+      joints.push_back(robot.joints()[static_cast<std::size_t>(j)].name);
+      numbers.push_back(j);
+    }
+  }
+  Kinematics kinematics(robot);
+  VecX q = session_.start().q;
+  VecX angles(static_cast<Eigen::Index>(joints.size()));
+  std::mt19937_64 random(4);
+  do {  // until an arm would be inside another link
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const Range& range = robot.joints()[static_cast<std::size_t>(numbers[k])].position;
+      angles[static_cast<Eigen::Index>(k)] = std::uniform_real_distribution<double>(range.lo, range.hi)(random);
+      q[7 + numbers[k]] = angles[static_cast<Eigen::Index>(k)];
+    }
+    kinematics.set(q);
+  } while (kinematics.self_distance(0.0) > -0.01);
+  session_.drive_arms({joints, {session_.t() + 0.5}, angles.transpose()});
+  std::set<std::string> said;
+  for (int k = 0; k < 800; ++k) {
+    session_.step({});
+    said.insert(app::arms_message(session_));
+  }
+  said.erase("");
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said.begin()->find("The arms cannot follow their targets, or only in part: "), 0U);
+  session_.drive_arms(released_arms(robot));
+  EXPECT_EQ(app::arms_message(session_), "");
 }
 
 }  // namespace
