@@ -42,14 +42,28 @@ double stretch_for(const Refusal& refusal) {
   }
 }
 
-/// From the refusals of two durations: whether a joint's torque or acceleration is too large at any duration. It has
-/// one part that scales with 1/T² and a constant one, as a jump of the inverse kinematics is.
+/// The part of a value that no duration changes, from those of two durations, if the rest scales with 1/T².
+double constant_part(double T1, double first, double T2, double second) {
+  return (T2 * T2 * second - T1 * T1 * first) / (T2 * T2 - T1 * T1);
+}
+
+/// From the refusals of two durations: whether a joint's torque or acceleration is too large at any duration. A jump of
+/// the inverse kinematics is constant.
 bool in_vain(double T1, const Refusal& first, double T2, const Refusal& second) {
   if (second.reason != first.reason || second.where != first.where) return false;
   const bool torque = first.reason == Reason::joint_torque;
   if (!torque && first.reason != Reason::joint_acceleration) return false;
-  const double stays = (T2 * T2 * second.value - T1 * T1 * first.value) / (T2 * T2 - T1 * T1);
-  return stays > (torque ? kTorqueTolerance : kJump) * second.limit;
+  return constant_part(T1, first.value, T2, second.value) > (torque ? kTorqueTolerance : kJump) * second.limit;
+}
+
+/// Whether they let one doubt that any duration up to the longest helps: it is too short even for an acceleration that
+/// falls with 1/T², an acceleration does not fall, or a torque stays too large.
+bool doubtful(double T1, const Refusal& first, double T2, const Refusal& second, double longest) {
+  const bool accelerates = second.reason == Reason::joint_acceleration;
+  if (accelerates && T2 * std::sqrt(second.value / second.limit) > longest) return true;
+  if (second.reason != first.reason || second.where != first.where) return false;
+  if (accelerates) return second.value >= first.value;
+  return second.reason == Reason::joint_torque && constant_part(T1, first.value, T2, second.value) > second.limit;
 }
 
 /// The first `ticks` of a reversed motion, continued by `end`.
@@ -67,8 +81,8 @@ Motion joined(const Motion& backwards, int ticks, Motion end) {
 }
 
 /// Whether the ZMP of a way back comes too near to an outer edge of a sole. A way that was planned as a capture step,
-/// or for a robot that seemed to weigh elsewhere, leaves no room there; the verifier, which no plan needs to tell that,
-/// does not ask for it.
+/// or for a robot that seemed to weigh elsewhere, leaves no room there. The verifier does not check this margin: plans
+/// keep it by construction.
 std::optional<Refusal> leans_out(const RobotModel& robot, const Motion& motion, const Limits& limits) {
   const double least = kOfOutward * limits.zmp_outward;
   for (std::size_t k = 0; k < motion.samples.size(); ++k) {
@@ -112,19 +126,32 @@ PlanResult Planner::by_paper(Task& task) {
   double certain = 0.0;                              // shorter durations certainly fail
   std::optional<std::pair<double, Refusal>> before;  // last duration that failed, and why
   int vain = 0;                                      // consecutive failures that indicate that no duration works
-  for (double T = task.segment.first_duration(); T <= duration.max + 1e-9; T += duration.step) {
-    if (T < certain) continue;
+  int doubts = 0;                                    // the same, less certain
+  const auto attempt = [&](Task& at, double T) -> std::variant<PlannedMotion, Failure> {
     const int ticks = static_cast<int>(std::lround(T / period));
-    Candidate candidate{timing_by_shares(task.segment.com().phases, ticks, period)};
-    failure = evaluate(task, candidate);
-    if (!failure) {
-      std::variant<PlannedMotion, Failure> finished = finish(task, candidate);
-      if (auto* planned = std::get_if<PlannedMotion>(&finished)) return std::move(*planned);
-      failure = std::get<Failure>(std::move(finished));
-    }
+    Candidate candidate{timing_by_shares(at.segment.com().phases, ticks, period)};
+    if (std::optional<Failure> fails = evaluate(at, candidate)) return *std::move(fails);
+    return finish(at, candidate);
+  };
+  const double first = task.segment.first_duration();
+  const double longest = first + std::floor((duration.max + 1e-9 - first) / duration.step) * duration.step;
+  for (double T = first; T <= duration.max + 1e-9; T += duration.step) {
+    if (T < certain) continue;
+    std::variant<PlannedMotion, Failure> attempted = attempt(task, T);
+    if (auto* planned = std::get_if<PlannedMotion>(&attempted)) return std::move(*planned);
+    failure = std::get<Failure>(std::move(attempted));
     if (failure->stretch == 0.0) break;
-    vain = before && in_vain(before->first, before->second, T, failure->refusal) ? vain + 1 : 0;
+    const auto both = [&](const auto& test, auto... more) {
+      return before && test(before->first, before->second, T, failure->refusal, more...);
+    };
+    vain = both(in_vain) ? vain + 1 : 0;
     if (vain == kMostVain) break;
+    doubts = both(doubtful, longest) ? doubts + 1 : 0;
+    if (doubts == kMostVain) {                // the longest decides
+      Task aside{task.segment, task.anchor};  // if it is feasible, nothing has happened
+      std::variant<PlannedMotion, Failure> last = attempt(aside, longest);
+      if (auto* fails = std::get_if<Failure>(&last)) return std::move(fails->refusal);
+    }
     before = {T, failure->refusal};
     task.not_shorter = failure->refusal;
     if (failure->refusal.reason == Reason::joint_speed) certain = std::min(failure->stretch * T, duration.max);
@@ -312,6 +339,7 @@ Planner::Failure Planner::judged(Refusal refusal, const Segment& segment) {
 
 std::optional<Planner::Failure> Planner::evaluate(Task& task, Candidate& candidate) {
   ++task.tried;
+  ++tried_;
   const Timing& timing = candidate.timing;
   const ComProblem& problem = task.segment.com();
   VrpOffset offset;

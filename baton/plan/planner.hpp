@@ -31,6 +31,9 @@ class Planner {
   [[nodiscard]] PlanResult plan(const Posture& from, const Goal& goal, const Pose& anchor, const Limits& limits,
                                 DurationRule rule);
 
+  /// Number of durations tried so far, for all plans: a measure of work that does not depend on the computer.
+  [[nodiscard]] long tried() const { return tried_; }
+
   /// Retraces an executed motion; the reversed motion is verified again.
   /// @param heat of the motors at its start
   [[nodiscard]] PlanResult retrace(const Trail& trail, const Pose& anchor, const Limits& limits, const Heat& heat = {});
@@ -91,6 +94,7 @@ class Planner {
   InverseKinematics ik_;
   Kinematics kinematics_;
   Verifier verifier_;
+  long tried_ = 0;
 };
 
 }  // namespace baton
