@@ -54,7 +54,7 @@ endif
 
 test-python: rcss
 ifneq ($(PYTHON_TESTS),)
-	.venv/bin/pytest -q tests/python
+	.venv/bin/pytest -q tests/python tests/robots
 endif
 
 # In an environment that has the package as its users get it, with the pinned versions of what it needs.

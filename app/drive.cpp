@@ -11,7 +11,6 @@
 
 #include "app/app.hpp"
 #include "app/commands.hpp"
-#include "app/condition_log.hpp"
 #include "app/inputs.hpp"
 #include "app/options.hpp"
 #include "app/outputs.hpp"
@@ -21,6 +20,7 @@
 #include "baton/model/error.hpp"
 #include "baton/model/input_file.hpp"
 #include "baton/record/json.hpp"
+#include "baton/run/condition_log.hpp"
 
 namespace baton::app {
 namespace {
@@ -233,7 +233,7 @@ int drive(const DriveOptions& o) {
   if (remote) extra["link"] = remote->json();
   const std::string broken = remote ? remote->broken() : "";
   const Guard guard = session.navigator().guard();
-  const bool lies = session.truth() == nullptr && guard == Guard::fallen;
+  const bool lies = session.truth() == nullptr && guard == Guard::fallen && broken.empty();
   const auto finish = [&] {
     const nlohmann::json summary = outputs.write(world.name(), on, o.seed, seconds_since(start), extra);
     const auto number = [](const nlohmann::json& value, const char* format) {  // unknown without truth
@@ -244,6 +244,7 @@ int drive(const DriveOptions& o) {
                                      : !broken.empty()            ? "not followed to its end"
                                      : lies                       ? "fallen, by its sensors"
                                      : guard == Guard::lifted     ? "lifted, by its sensors"
+                                     : guard == Guard::stood_up   ? "stood up after a fall, its motors without torque"
                                      : session.truth() == nullptr ? "on its feet, as far as its sensors tell"
                                                                   : "on its feet";
     const bool recorded = !summary.contains("recording") || summary["recording"]["complete"].get<bool>();
@@ -258,9 +259,9 @@ int drive(const DriveOptions& o) {
                recorded ? "" : "; the recording is not complete");
     std::fflush(stdout);
   };
-  if (!session.fallen()) {
+  if (!session.fallen() && !lies) {
     finish();
-    if (broken.empty()) return lies ? kFallen : kDone;
+    if (broken.empty()) return kDone;
     spdlog::error("{}", broken);
     return kFailed;
   }
@@ -269,7 +270,7 @@ int drive(const DriveOptions& o) {
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());  // a fall is still shown and decides the exit code
   }
-  if (view) show_fall(*view, simulation, inputs, refusals);
+  if (view && session.fallen()) show_fall(*view, simulation, inputs, refusals);
   return kFallen;
 }
 

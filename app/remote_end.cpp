@@ -45,8 +45,10 @@ RemoteEnd::RemoteEnd(const DriveOptions& o, const RobotModel& robot, const World
       link::RemoteRobot::Parameters{
           .address = Address::parse(o.on), .token = token_in(o.token), .navigation = navigation, .accept = accept});
   remote_ = owned_.get();
-  if (const auto what = link::lacks(remote_->read(), navigation.source))
-    throw InputError(fmt::format("the robot at {}: {}", o.on, *what));
+  for (const auto& check : {link::lacks, link::in_other_units}) {
+    if (const auto what = check(remote_->read(), navigation.source))
+      throw InputError(fmt::format("the robot at {}: {}", o.on, *what));
+  }
 }
 
 std::map<std::string, std::string> RemoteEnd::settings() const {

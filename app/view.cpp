@@ -57,8 +57,9 @@ std::string heat_message(const Session& session) {
 std::string arms_message(const Session& session) {
   const Refusal* why = session.navigator().arms_refusal();
   if (why == nullptr) return "";
-  return fmt::format("The arms cannot follow their targets, or only in part: {} ({}).", info(why->reason).text,
-                     place(*why));
+  std::string where = place(*why).empty() ? "" : fmt::format(" ({})", place(*why));
+  std::replace(where.begin(), where.end(), '_', ' ');
+  return fmt::format("The arms cannot follow their targets, or only in part: {}{}.", info(why->reason).text, where);
 }
 
 View::View(const Simulation& simulation, int port, bool damps)
@@ -127,6 +128,10 @@ void View::show(const Simulation& simulation, const DeviceStatus& device, const 
   }
   if (frame.activity == Activity::fallen) {
     frame.message = "The robot fell: " + truth.fall + ".";
+  } else if (nav.guard() == Guard::fallen) {
+    frame.message = "The robot has fallen, by its sensors: its motors give no torque. Stand it up on both feet.";
+  } else if (nav.guard() == Guard::stood_up) {
+    frame.message = "The robot stands upright again: release the stick, and it goes on.";
   } else if (nav.guard() == Guard::lifted) {
     frame.message = "Lifted off the ground. Continues once it stands again and the stick has been released.";
   } else if (session.t() < slipped_ + kSlipShows) {

@@ -212,8 +212,7 @@ def find_answers(changes, recording, trace, offset, tick):
 
 def measure(program, robot, count, seed, folder):
     """Changes with their outcome, the program's report, and the lag of states behind the clock [s]."""
-    profile_file = pathlib.Path(robot) if robot.endswith(".toml") else ROOT / "robots" / robot / "profile.toml"
-    profile = tomllib.loads(profile_file.read_text())
+    profile = tomllib.loads(subprocess.run([program, "profile", robot], stdout=subprocess.PIPE, text=True, check=True).stdout)
     tick = profile["tick"]
     outputs = {"--trace": folder / "trace.csv", "--record": folder / "run.mcap", "--report": folder / "report.json"}
     options = ["--robot", robot, "--world", "flat", "--on", "ideal", "--input", "page", "--port", "0"]

@@ -189,15 +189,17 @@ def scale_profile(profile, s, names):
     out["parts"] = {part: names(PARTS[part], name) for part, name in profile["parts"].items()}
     out["home_deg"] = {names("joint", joint): angle for joint, angle in reversed(profile["home_deg"].items())}
     for table, rules in PROFILE.items():
-        for key in profile[table]:
+        for key in profile.get(table, {}):
             if key not in rules:
                 raise SystemExit(f"scale_robot: no scaling rule for [{table}] {key}; add one to PROFILE")
-        out[table] = {key: scaled(value, rules[key], s) for key, value in profile[table].items()}
+        if table in profile:  # else derived
+            out[table] = {key: scaled(value, rules[key], s) for key, value in profile[table].items()}
     for table in profile:
         if table not in out and table != "drive":
             raise SystemExit(f"scale_robot: no scaling rule for [{table}]; add one to PROFILE")
-    tick = out["tick"]["period"]
-    out["duration"] = {key: round(math.floor(t / tick + 0.5) * tick, 9) for key, t in out["duration"].items()}
+    if "duration" in out:
+        tick = out["tick"]["period"]
+        out["duration"] = {key: round(math.floor(t / tick + 0.5) * tick, 9) for key, t in out["duration"].items()}
     out["drive"] = {key: value for key, value in profile["drive"].items() if key != "gains"}
     out["drive"]["gains"] = [
         {key: [names("joint", j) for j in reversed(value)] if key == "joints"

@@ -13,7 +13,6 @@ constexpr double kOldest = 0.1;        ///< largest age of a measurement that is
 constexpr double kFastestJoint = 1.5;  ///< largest speed of a joint, as a fall may drive it [no-load speed]
 constexpr double kSpeedJump = 12.0;    ///< largest change of a speed in a tick: noise of encoders [rad/s]
 constexpr double kAngleStep = 0.035;   ///< change of an angle beyond its speed: noise and backlash [rad]
-constexpr double kBeyondRange = 0.3;   ///< how far beyond its range a joint is measured: zero errors, play [rad]
 constexpr double kJointStray = 0.3;    ///< how fast a joint leaves its prediction [rad/s]
 constexpr double kStuck = 0.03;        ///< planned movement without a change of the angle [rad]
 constexpr double kExcessAngle = 0.04;  ///< speed beyond the change of the angle, added up [rad]
@@ -120,7 +119,7 @@ bool SensorCheck::check_joints(const Measurement& measurement, const MotionSampl
     joint.planned = q == last_.q[j] ? joint.planned + period_ * planned.dq[6 + j] : 0.0;
     joint.steady = std::abs(q - last_.q[j]) <= kAngleStep + period_ * fastest ? joint.steady + period_ : 0.0;
     const Range& range = robot_->joints()[static_cast<std::size_t>(j)].position;
-    const bool possible = q >= range.lo - kBeyondRange && q <= range.hi + kBeyondRange;
+    const bool possible = q >= range.lo - check::kBeyondRange && q <= range.hi + check::kBeyondRange;
     const bool angle = possible && std::abs(joint.planned) <= kStuck &&
                        (first_ || std::abs(q - expected) <= most || joint.steady > kBridge);
 

@@ -63,6 +63,8 @@ class SensorCheck {
   /// What `check` returned last.
   [[nodiscard]] const Measurement& believed() const { return checked_; }
   [[nodiscard]] Health health(Sensor sensor) const;
+  /// Whether nothing was measured in this tick, as all readings are those of the tick before, and the plan moves.
+  [[nodiscard]] bool frozen() const { return repeats_ > 0; }
   /// Whether any sensor is lost.
   [[nodiscard]] bool lost() const;
 

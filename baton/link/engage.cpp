@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "baton/balance/check_limits.hpp"
 #include "baton/ik/stand.hpp"
 #include "baton/model/contact.hpp"
 #include "baton/model/error.hpp"
@@ -14,8 +15,7 @@ namespace {
 constexpr double kNear = 0.15;   ///< largest difference of a joint from the stance; zero errors and sag are less [rad]
 constexpr double kLevel = 0.06;  ///< inclination of a sole against the other that zero errors may explain [rad]
 constexpr double kSame = 0.02;   ///< difference of their heights [COM height]
-constexpr double kPossible = 0.3;  ///< how far beyond its range a joint may be measured: zero errors, play [rad]
-constexpr double kUnit = 0.15;        ///< how near to 1 a specific force is, at rest, if it is in units of g
+constexpr double kUnit = 0.15;   ///< how near to 1 a specific force is, at rest, if it is in units of g
 
 }  // namespace
 
@@ -34,7 +34,11 @@ std::optional<std::string> lacks(const Measurement& measured, StateSource source
   if (source == StateSource::torques && measured.torque.size() == 0) return because("motor torques", "--state sensors");
   if (source == StateSource::perfect && !measured.root)
     return because("pose of its root", "--state sensors or torques");
-  const double force = measured.imu.acceleration.norm();
+  return std::nullopt;
+}
+
+std::optional<std::string> in_other_units(const Measurement& at_rest, StateSource source) {
+  const double force = at_rest.imu.acceleration.norm();
   if (source != StateSource::perfect && std::abs(force - 1.0) < kUnit)
     return fmt::format("its accelerometer reads {:.2f} at rest: must be in m/s², about 9.8, not in units of g", force);
   return std::nullopt;
@@ -46,7 +50,7 @@ Posture engage(const RobotModel& robot, const Pose& start, const VecX& q) {
   for (std::size_t j = 0; j < robot.joints().size(); ++j) {
     const Joint& joint = robot.joints()[j];
     const double angle = q[static_cast<Eigen::Index>(j)];
-    if (!(angle >= joint.position.lo - kPossible && angle <= joint.position.hi + kPossible))
+    if (!(angle >= joint.position.lo - check::kBeyondRange && angle <= joint.position.hi + check::kBeyondRange))
       throw InputError(fmt::format("{}: {} is at {:.4g} rad: must be within its range, {:.4g} to {:.4g} rad",
                                    robot.profile().name, joint.name, angle, joint.position.lo, joint.position.hi));
   }

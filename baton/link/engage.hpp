@@ -15,9 +15,12 @@ namespace baton::link {
 /// @param q joint angles (n) [rad]
 [[nodiscard]] bool in_stance(const RobotModel& robot, const VecX& q);
 
-/// What a robot at rest does not measure of what its state is to be estimated from, or measures in other units, as the
-/// end of a sentence about it; none: it measures all of that.
+/// What a robot does not measure of what its state is to be estimated from, as the end of a sentence about it; none: it
+/// measures all of that.
 [[nodiscard]] std::optional<std::string> lacks(const Measurement& measured, StateSource source);
+
+/// The same for what a robot at rest seems to measure in other units.
+[[nodiscard]] std::optional<std::string> in_other_units(const Measurement& at_rest, StateSource source);
 
 /// Posture at rest of a robot that stands on both soles: in the stance of its profile if every joint is near it, else
 /// with the joints as they were measured.

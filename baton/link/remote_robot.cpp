@@ -84,7 +84,7 @@ void check_robot(const RobotModel& model, const std::string& world, const Welcom
   const std::vector<Joint>& own = model.joints();
   for (std::size_t i = 0; i < std::max(own.size(), welcome.joints.size()); ++i) {
     if (i >= welcome.joints.size())
-      because(fmt::format("has {} joints, and none with the number {}: must be '{}'", i, i, own[i].name));
+      because(fmt::format("has {} joints: must be {}; '{}' is missing", i, own.size(), own[i].name));
     if (i >= own.size())
       because(fmt::format("has {} joints: must be {}, without '{}'", welcome.joints.size(), i, welcome.joints[i]));
     if (own[i].name != welcome.joints[i])

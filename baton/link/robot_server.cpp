@@ -35,20 +35,6 @@ bool same_token(const std::string& a, const std::string& b) {
   return differs == 0;
 }
 
-std::string_view text_of(Guard guard) {
-  switch (guard) {
-    case Guard::fallen:
-      return "the robot has fallen: its motors are soft";
-    case Guard::lifted:
-      return "the robot was lifted: begins nothing until it stands again";
-    case Guard::stood_up:
-      return "the robot was stood up: goes on once the stick is centred";
-    case Guard::armed:
-      break;
-  }
-  return "the robot stands, and can be guided";
-}
-
 }  // namespace
 
 RobotServer::RobotServer(const RobotModel& model, Robot& robot, Parameters parameters)
@@ -249,7 +235,9 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
   }
   if (parameters_.navigates_in != nullptr) {
     const NavigationOptions navigation = start.navigation.value_or(NavigationOptions{});
-    if (const auto what = lacks(robot_->read(), navigation.source)) return refuse(peer, "sensors", *what);
+    for (const auto& check : {lacks, in_other_units}) {
+      if (const auto what = check(robot_->read(), navigation.source)) return refuse(peer, "sensors", *what);
+    }
     Onboard::Parameters parameters{navigation, !parameters_.real_time, nullptr};
     if (parameters_.planning) parameters.planning = parameters_.planning(navigation.modes);
     try {
@@ -258,6 +246,7 @@ bool RobotServer::begin(Peer& peer, const Message& message) {
       return refuse(peer, "posture", error.what());
     }
     onboard_->hold(!fault_.empty());
+    onboard_->session().add(condition_.emplace(*model_));
     parameters_.began(*onboard_, navigation);
   }
   stale_ = false;
@@ -408,8 +397,8 @@ void RobotServer::log_changes() {
     parameters_.log(onboard_->stale() ? fmt::format("link: the stick's positions are more than {} s old: comes to rest",
                                                     Onboard::kFresh)
                                       : "link: the stick counts again");
-  const auto* changed = find_event<GuardChanged>(onboard_->session().navigator().events());
-  if (changed != nullptr) parameters_.log(std::string(text_of(changed->to)));
+  for (const ConditionLog::Line& line : condition_->take())
+    parameters_.log(fmt::format("{:.2f} s: {}", line.t, line.text));
   const bool rests = !driver_ && resting();
   if (rests && !rest_logged_) {
     parameters_.log("at rest, without a driver");

@@ -4,12 +4,14 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "baton/link/onboard.hpp"
 #include "baton/link/remote_robot.hpp"
 #include "baton/link/target_check.hpp"
+#include "baton/run/condition_log.hpp"
 
 namespace baton::link {
 
@@ -158,12 +160,13 @@ class RobotServer {
   Parameters parameters_;
   Socket listener_;
   State state_ = State::waiting;
-  std::vector<Peer> guests_;          ///< connected, and nothing agreed on yet
-  std::optional<Peer> driver_;        ///< at most one
-  std::optional<Peer> observer_;      ///< the same
-  std::vector<Peer> dismissed_;       ///< told their last message
-  std::uint64_t shown_ = 0;           ///< measurements since it came
-  std::unique_ptr<Onboard> onboard_;  ///< null before the first start, and if it follows targets
+  std::vector<Peer> guests_;               ///< connected, and nothing agreed on yet
+  std::optional<Peer> driver_;             ///< at most one
+  std::optional<Peer> observer_;           ///< the same
+  std::vector<Peer> dismissed_;            ///< told their last message
+  std::uint64_t shown_ = 0;                ///< measurements since it came
+  std::optional<ConditionLog> condition_;  ///< of its run
+  std::unique_ptr<Onboard> onboard_;       ///< null before the first start, and if it follows targets
   TargetCheck check_;
   JointTarget target_;  ///< the last one that was followed
   Reading reading_;     ///< the last one that was sent

@@ -126,7 +126,8 @@ PlanResult Planner::by_paper(Task& task) {
   double certain = 0.0;                              // shorter durations certainly fail
   std::optional<std::pair<double, Refusal>> before;  // last duration that failed, and why
   int vain = 0;                                      // consecutive failures that indicate that no duration works
-  int doubts = 0;                                    // the same, less certain
+  int doubts = 0;                                    // the same, less certain: the longest decides, once
+  bool looked = false;
   const auto attempt = [&](Task& at, double T) -> std::variant<PlannedMotion, Failure> {
     const int ticks = static_cast<int>(std::lround(T / period));
     Candidate candidate{timing_by_shares(at.segment.com().phases, ticks, period)};
@@ -147,10 +148,11 @@ PlanResult Planner::by_paper(Task& task) {
     vain = both(in_vain) ? vain + 1 : 0;
     if (vain == kMostVain) break;
     doubts = both(doubtful, longest) ? doubts + 1 : 0;
-    if (doubts == kMostVain) {                // the longest decides
-      Task aside{task.segment, task.anchor};  // if it is feasible, nothing has happened
+    if (doubts == kMostVain && T + duration.step < longest && !std::exchange(looked, true)) {
+      Task aside{task.segment, task.anchor};  // if the longest is feasible, nothing has happened
       std::variant<PlannedMotion, Failure> last = attempt(aside, longest);
-      if (auto* fails = std::get_if<Failure>(&last)) return std::move(fails->refusal);
+      const auto* fails = std::get_if<Failure>(&last);
+      if (fails != nullptr && fails->stretch > 0.0) return fails->refusal;
     }
     before = {T, failure->refusal};
     task.not_shorter = failure->refusal;

@@ -59,6 +59,25 @@ TEST_P(EngageTest, ItsSolesStandAtTheStartWhateverItsPosture) {
   }
 }
 
+TEST_P(EngageTest, AnglesInDegreesAndAccelerationsInUnitsOfGAreSeen) {
+  std::mt19937_64 random(5);
+  int named = 0;
+  for (int run = 0; run < 100; ++run) {
+    const VecX q = standing(height_ * 0.95, random);
+    named += refusal(q * 180.0 / M_PI).find("rad: must be within its range") != std::string::npos ? 1 : 0;
+    Measurement measured;
+    const Vec3 up = rotation_exp(Vec3(0.2, 0.0, 0.0)) * Vec3(0.0, 0.0, 1.0);
+    measured.imu.acceleration = (1.0 + 0.001 * run) * up;
+    EXPECT_THAT(in_other_units(measured, StateSource::sensors).value_or(""), HasSubstr("not in units of g"));
+    EXPECT_FALSE(in_other_units(measured, StateSource::perfect));
+    measured.imu.acceleration = (9.3 + 0.01 * run) * up;
+    EXPECT_FALSE(in_other_units(measured, StateSource::sensors));
+    measured.imu.acceleration.setZero();  // as of a simulated robot that falls onto its soles first
+    EXPECT_FALSE(in_other_units(measured, StateSource::sensors));
+  }
+  EXPECT_EQ(named, 100);
+}
+
 // In physics, from where it stands: no joint jumps, and then `home` leads to the stance.
 TEST_P(EngageTest, FromAnyPostureItIsDrivenToItsStanceWithoutAJump) {
   const World world = World::load("flat");

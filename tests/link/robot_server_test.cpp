@@ -490,7 +490,7 @@ TEST_P(RobotServerTest, ARobotThatIsNotTheOneExpectedIsNotDriven) {
   EXPECT_THAT(puppet_with([](Puppet& p) { std::swap(p.welcome.joints[0], p.welcome.joints[1]); }),
               HasSubstr("as joint 0: must be '" + robot_.joints()[0].name));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.joints.pop_back(); }),
-              HasSubstr("must be '" + robot_.joints().back().name));
+              HasSubstr("'" + robot_.joints().back().name + "' is missing"));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.joints.emplace_back("tail"); }), HasSubstr("without 'tail'"));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.period *= 2.0; }), HasSubstr("has a tick of"));
   EXPECT_THAT(puppet_with([](Puppet& p) { p.welcome.version = 9; }), HasSubstr("speaks version 9"));
@@ -548,7 +548,8 @@ TEST_P(RobotServerTest, ARobotThatBreaksTheProtocolIsNoticed) {
                 return Messages{p.measurement(0), p.measurement(2)};
               }),
               HasSubstr("measurement 2 in place of 1"));  // one lost
-  EXPECT_THAT(said([](const Puppet&) { return Messages{framed(Type::measurement, "short")}; }), HasSubstr("of 5 bytes: must be"));
+  EXPECT_THAT(said([](const Puppet&) { return Messages{framed(Type::measurement, "short")}; }),
+              HasSubstr("of 5 bytes: must be"));
   EXPECT_THAT(said([](const Puppet& p) {
                 return Messages{p.measurement(0), framed(Type::hello, hello())};
               }),

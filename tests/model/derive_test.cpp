@@ -59,6 +59,19 @@ void collect_numbers(const toml::node& node, const std::string& key, std::map<st
   }
 }
 
+/// The same for its texts.
+void collect_texts(const toml::node& node, const std::string& key, std::map<std::string, std::string>& texts) {
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [name, child] : *table)
+      collect_texts(child, key + "." + std::string(name.str()), texts);
+  } else if (const toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i)
+      collect_texts((*array)[i], key + "." + std::to_string(i), texts);
+  } else if (const auto text = node.value<std::string>()) {
+    texts[key] = *text;
+  }
+}
+
 class DeriveTest : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Robots, DeriveTest, testing::ValuesIn(test::robot_names()), test::name_of_param);
 
@@ -89,6 +102,13 @@ TEST(MightysProfile, IsShortAndLeavesNothingOutThatIsNotDerivedToTheBit) {
   collect_numbers(tuned, "", wanted);
   collect_numbers(derived, "", found);
   EXPECT_EQ(found, wanted);
+  std::map<std::string, std::string> wanted_texts;
+  std::map<std::string, std::string> found_texts;
+  collect_texts(tuned, "", wanted_texts);
+  collect_texts(derived, "", found_texts);
+  for (std::map<std::string, std::string>* texts : {&wanted_texts, &found_texts})
+    texts->erase(".model");
+  EXPECT_EQ(found_texts, wanted_texts);
   std::map<std::string, double> stated;
   collect_numbers(given, "", stated);
   EXPECT_LT(stated.size(), 40U);  // most of them of home and of the motors' heat

@@ -7,9 +7,9 @@
 
 #include "baton/run/sink.hpp"
 
-namespace baton::app {
+namespace baton {
 
-/// A rejected reading beside what is believed in its place: of joints, the one that is farthest off.
+/// A rejected reading beside what is believed in its place: of joints and soles, the one that is farthest off.
 [[nodiscard]] std::string rejected_reading(const RobotModel& robot, Sensor sensor, const Measurement& read,
                                            const Measurement& believed);
 
@@ -22,7 +22,7 @@ class ConditionLog : public Sink {
     std::string text;
   };
 
-  /// The robot must outlive the object.
+  /// For one run. The robot must outlive the object.
   explicit ConditionLog(const RobotModel& robot) : robot_(&robot) { told_.values.fill(-kAgain); }
 
   void on_tick(const TickRecord& record) override;
@@ -32,10 +32,16 @@ class ConditionLog : public Sink {
  private:
   static constexpr double kAgain = 5.0;  ///< a sensor that comes and goes is spoken of this often [s]
 
+  void look_at(Sensor sensor, const TickRecord& record);
+  void say(const TickRecord& record, bool warning, const char* what, std::string text) {
+    lines_.push_back({record.t, warning, what, std::move(text)});
+  }
+
   const RobotModel* robot_;
-  BySensor<double> told_;     ///< time of the last line about it [s]
+  BySensor<double> told_;     ///< time of the last warning of it [s]
   BySensor<bool> told_lost_;  ///< that it is lost was the last line about it
+  bool told_frozen_ = false;
   std::vector<Line> lines_;
 };
 
-}  // namespace baton::app
+}  // namespace baton

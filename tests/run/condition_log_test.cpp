@@ -1,5 +1,5 @@
 /// What a run says of sensors that are not believed, and of a robot that has fallen by them.
-#include "app/condition_log.hpp"
+#include "baton/run/condition_log.hpp"
 
 #include <gmock/gmock.h>
 
@@ -18,7 +18,6 @@
 namespace baton {
 namespace {
 
-using app::ConditionLog;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -35,17 +34,14 @@ class ConditionLogTest : public testing::Test {
     Session session(model_, flat_, robot, start_);
     ConditionLog log(model_);
     session.add(log);
-    std::vector<ConditionLog::Line> all;
     Command ahead;
     ahead.axes[0] = 1.0;
     while (session.t() < 4.0) {
       robot.spoil = session.t() >= 0.5 && session.t() < until ? spoil : nullptr;
       session.step(ahead);
-      for (const ConditionLog::Line& line : log.take())
-        all.push_back(line);
     }
     EXPECT_FALSE(session.fallen());
-    return all;
+    return log.take();
   }
 };
 
@@ -65,10 +61,10 @@ TEST_F(ConditionLogTest, AReadingThatIsNotANumberIsShownWithTheJointThatItIsOf) 
     VecX& spoilt = round % 2 == 0 ? read.q : read.torque;
     spoilt[row] = nan;
     const Sensor sensor = round % 2 == 0 ? Sensor::encoders : Sensor::torques;
-    EXPECT_THAT(app::rejected_reading(model_, sensor, read, believed), AllOf(HasSubstr(name), HasSubstr("nan")));
+    EXPECT_THAT(rejected_reading(model_, sensor, read, believed), AllOf(HasSubstr(name), HasSubstr("nan")));
     read = believed;
     read.dq[row] = 55.0;
-    EXPECT_THAT(app::rejected_reading(model_, Sensor::encoders, read, believed),
+    EXPECT_THAT(rejected_reading(model_, Sensor::encoders, read, believed),
                 AllOf(HasSubstr(name), HasSubstr("55.00 rad/s")));
   }
 }
@@ -87,15 +83,20 @@ TEST_F(ConditionLogTest, ASensorThatIsRejectedForLongIsNamedOnceAndAgainWhenItIs
            if (model_.joints()[j].name == "left_knee_flexion") m.q[static_cast<Eigen::Index>(j)] = nan;
          }
        }},
-      {"attitude", "expected about (0.0", [&](Measurement& m) { m.imu.attitude(1, 1) = nan; }},
+      {"attitude", "no rotation matrix: rows (1.00, ", [&](Measurement& m) { m.imu.attitude(1, 1) = nan; }},
       {"gyro", "(0.00, nan, 0.00) rad/s", [&](Measurement& m) { m.imu.rate = Vec3(0.0, nan, 0.0); }},
       {"accelerometer", "-9.8", [](Measurement& m) { m.imu.acceleration *= -1.0; }},
-      {"forces", "N on the left sole",
+      {"forces", "left sole with (",
        [](Measurement& m) {
          for (const Side side : kSides)
            m.sole[side].force *= -1.0;
        }},
   };
+  const auto turned = [](Measurement& m) { m.imu.attitude = rotation_exp(Vec3(0.5, 0.0, 0.0)) * m.imu.attitude; };
+  Measurement read;
+  turned(read);
+  EXPECT_EQ(rejected_reading(model_, Sensor::attitude, read, Measurement{}),
+            "turned by 0.50 rad from what is expected, about (1.00, 0.00, 0.00) in its axes");
   for (const Case& one : cases) {
     const std::vector<ConditionLog::Line> said = lines(one.spoil, 2.5);
     ASSERT_EQ(said.size(), 2U) << one.sensor;
@@ -123,23 +124,63 @@ TEST_F(ConditionLogTest, OfReadingsThatAreBelievedNothingIsSaid) {
   EXPECT_TRUE(lines(glitch, 4.0).empty());
 }
 
-TEST_F(ConditionLogTest, ASensorThatComesAndGoesIsSpokenOfNowAndThen) {
+TEST_F(ConditionLogTest, ASensorThatComesAndGoesIsSpokenOfNowAndThenAndAtLastIfItStaysAway) {
   SimulatedRobot inside(model_, flat_, start_, model_.profile().tick.period);
   test::GlitchyRobot robot(inside);
   Session session(model_, flat_, robot, start_);
   ConditionLog log(model_);
   session.add(log);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto step_until = [&](double end, const std::function<bool(double)>& gone) {
+    while (session.t() < end) {
+      robot.spoil = gone(session.t()) ? [nan](Measurement& m) { m.q[0] = nan; } : std::function<void(Measurement&)>();
+      session.step(Command{});
+    }
+    return log.take();
+  };
   std::size_t warnings = 0;
-  while (session.t() < 12.0) {
-    const bool gone = std::fmod(session.t(), 1.0) < 0.5;
-    robot.spoil = gone ? [](Measurement& m) { m.q[0] = std::numeric_limits<double>::quiet_NaN(); }
-                       : std::function<void(Measurement&)>();
-    session.step(Command{});
-    for (const ConditionLog::Line& line : log.take())
-      warnings += line.warning ? 1 : 0;
-  }
+  for (const ConditionLog::Line& line : step_until(12.0, [](double t) { return std::fmod(t, 1.0) < 0.5; }))
+    warnings += line.warning ? 1 : 0;
   EXPECT_GE(warnings, 2U);
   EXPECT_LE(warnings, 3U);
+  static_cast<void>(step_until(18.0, [](double) { return false; }));
+  const std::vector<ConditionLog::Line> said =
+      step_until(28.0, [](double t) { return t < 18.5 || t > 19.5; });  // gone, there, and gone for good
+  ASSERT_EQ(said.size(), 3U);
+  EXPECT_TRUE(said.back().warning);
+  EXPECT_LT(said.back().t, 24.0);
+}
+
+TEST_F(ConditionLogTest, ReadingsThatFreezeAreOneLineAlsoWithoutTorques) {
+  for (const StateSource source : {StateSource::sensors, StateSource::torques}) {
+    SimulatedRobot inside(model_, flat_, start_, model_.profile().tick.period);
+    test::GlitchyRobot robot(inside);
+    Session session(model_, flat_, robot, start_, {{}, source});
+    ConditionLog log(model_);
+    session.add(log);
+    Command ahead;
+    ahead.axes[0] = 1.0;
+    while (session.t() < 1.0)
+      session.step(ahead);
+    const Measurement frozen = inside.read();
+    robot.spoil = [&](Measurement& m) {
+      m = frozen;
+      m.torque.resize(0);
+    };
+    while (session.t() < 3.0)
+      session.step(ahead);
+    const std::vector<ConditionLog::Line> said = log.take();
+    std::vector<std::string> of_sensors;
+    for (const ConditionLog::Line& line : said) {
+      if (std::string(line.what) == "sensor") of_sensors.push_back(line.text);
+    }
+    ASSERT_FALSE(of_sensors.empty()) << to_string(source);
+    EXPECT_THAT(of_sensors[0], HasSubstr("all readings stay the same"));
+    EXPECT_LE(of_sensors.size(), 3U) << "once it rests, they may be possible";
+  }
+  Measurement none;
+  none.torque.resize(0);
+  EXPECT_EQ(rejected_reading(model_, Sensor::torques, none, none), "none");
 }
 
 /// A robot's end, in a thread, whose robot tells nothing but what its sensors read.
