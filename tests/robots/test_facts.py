@@ -560,8 +560,18 @@ def test_biped_moves_alike(model, biped_model, twin):
         assert theirs.qvel[biped_model.jnt_dofadr[b]] == near(speed, 1e-4)
 
 
-def test_scale_robot_is_reproducible(biped, tmp_path):
+def test_a_short_profile_is_scaled_and_what_it_leaves_out_stays_out(tmp_path):
     script = [sys.executable, ROOT / "scripts" / "scale_robot.py", MIGHTY, tmp_path, "--scale", str(SCALE)]
+    subprocess.run([*map(str, script), "--seed", "1"], check=True)
+    short = tomllib.loads((MIGHTY / "profile.toml").read_text())
+    scaled = tomllib.loads((tmp_path / "profile.toml").read_text())
+    assert scaled.keys() == short.keys()
+    assert scaled["stance"]["com_height"] == about(SCALE * short["stance"]["com_height"])
+    assert scaled["reach"].keys() == {"hand"}
+
+
+def test_scale_robot_is_reproducible(biped, tmp_path):
+    script = [sys.executable, ROOT / "scripts" / "scale_robot.py", TUNED, tmp_path, "--scale", str(SCALE)]
     subprocess.run([*map(str, script), "--seed", "1"], check=True)
     for file in ("model.xml", "profile.toml"):
         assert (tmp_path / file).read_text() == (biped / file).read_text()
