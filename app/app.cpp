@@ -77,6 +77,9 @@ constexpr double kLongestRun = 1e6;   ///< [s]
 constexpr double kLongestSoak = 1e5;  ///< [h]
 constexpr long kAnyWhole = std::numeric_limits<long>::max();
 
+constexpr const char* kRobotHelp =
+    "Robot: a folder of robots/, a profile's .toml file, or a model's .xml or .urdf file";
+
 void add_modes(CLI::App& command, ModeOptions& modes) {
   command.add_option("--gait", modes.gait, "flow: replan while moving; stop: come to rest first")
       ->capture_default_str()
@@ -170,10 +173,7 @@ void add_bridge_rcss(CLI::App& command, BridgeRcssOptions& o) {
 }
 
 void add_drive(CLI::App& command, DriveOptions& o) {
-  command
-      .add_option("--robot", o.robot,
-                  "Robot: a folder of robots/, a profile's .toml file, or a model's .xml or .urdf file")
-      ->capture_default_str();
+  command.add_option("--robot", o.robot, kRobotHelp)->capture_default_str();
   command.add_option("--world", o.world, "World: a name in worlds/, or an .xml file")->capture_default_str();
   command
       .add_option("--on", o.on,
@@ -321,10 +321,7 @@ int parse_and_run(std::vector<std::string> args) {
   CLI::App* robots_command = app.add_subcommand("robots", "List the robots that --robot knows by name");
   CLI::App* profile_command = app.add_subcommand("profile", "Print a robot's profile with all that is derived");
   std::string profile_robot = "mighty";
-  profile_command
-      ->add_option("robot", profile_robot,
-                   "Robot: a folder of robots/, a profile's .toml file, or a model's .xml or .urdf file")
-      ->capture_default_str();
+  profile_command->add_option("robot", profile_robot, kRobotHelp)->capture_default_str();
 
   RobotOptions robot_options;
   CLI::App* robot_command = app.add_subcommand("robot", "Be the robot's end of a connection, for drive --on tcp://...");

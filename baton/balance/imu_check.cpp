@@ -23,10 +23,6 @@ constexpr double kExcessSpeed = 0.4;  ///< acceleration beyond the plan, added u
 constexpr double kFreeFall = 3.0;     ///< specific force below which the robot may be falling freely [m/s²]
 constexpr double kStuckForce = 0.5;   ///< error of an accelerometer that gives the same again and again [m/s²]
 
-bool is_rotation(const Mat3& R) {
-  return R.allFinite() && (R * R.transpose() - Mat3::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
-
 }  // namespace
 
 ImuCheck::Accepted ImuCheck::check(const Measurement::Imu& imu, const MotionSample& planned) {
@@ -36,7 +32,7 @@ ImuCheck::Accepted ImuCheck::check(const Measurement::Imu& imu, const MotionSamp
   count(same_.accelerometer, imu.acceleration == last_.acceleration);
 
   Accepted accepted;
-  const bool valid = is_rotation(imu.attitude);
+  const bool valid = check::is_rotation(imu.attitude);
   std::optional<Vec3> turn;
   if (std::exchange(valid_, valid) && valid) turn = rotation_log(last_.attitude.transpose() * imu.attitude);
   const Vec3 rate = in_root_.R.transpose() * planned.dq.segment<3>(3);

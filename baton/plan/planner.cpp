@@ -142,14 +142,14 @@ PlanResult Planner::by_paper(Task& task) {
     if (auto* planned = std::get_if<PlannedMotion>(&attempted)) return std::move(*planned);
     failure = std::get<Failure>(std::move(attempted));
     if (failure->stretch == 0.0) break;
-    const auto both = [&](const auto& test, auto... more) {
-      return before && test(before->first, before->second, T, failure->refusal, more...);
-    };
-    vain = both(in_vain) ? vain + 1 : 0;
+    if (before) {
+      const auto& [T1, against] = *before;
+      vain = in_vain(T1, against, T, failure->refusal) ? vain + 1 : 0;
+      doubts = doubtful(T1, against, T, failure->refusal, longest) ? doubts + 1 : 0;
+    }
     if (vain == kMostVain) break;
-    doubts = both(doubtful, longest) ? doubts + 1 : 0;
     if (doubts == kMostVain && T + duration.step < longest && !std::exchange(looked, true)) {
-      Task aside{task.segment, task.anchor};  // if the longest is feasible, nothing has happened
+      Task aside{task.segment, task.anchor};  // if the longest is feasible, the search goes on as if it was not tried
       std::variant<PlannedMotion, Failure> last = attempt(aside, longest);
       const auto* fails = std::get_if<Failure>(&last);
       if (fails != nullptr && fails->stretch > 0.0) return fails->refusal;

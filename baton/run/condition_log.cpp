@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "baton/balance/check_limits.hpp"
+
 namespace baton {
 namespace {
 
@@ -60,7 +62,7 @@ std::string rejected_reading(const RobotModel& robot, Sensor sensor, const Measu
     }
     case Sensor::attitude: {
       const Mat3& R = read.imu.attitude;
-      if (!R.allFinite() || (R * R.transpose() - Mat3::Identity()).norm() > 1e-3 || R.determinant() < 0.0)
+      if (!check::is_rotation(R))
         return fmt::format("no rotation matrix: rows {}, {}, {}", numbers(R.row(0)), numbers(R.row(1)),
                            numbers(R.row(2)));
       const Vec3 off = rotation_log(believed.imu.attitude.transpose() * R);

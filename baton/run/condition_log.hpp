@@ -30,7 +30,7 @@ class ConditionLog : public Sink {
   [[nodiscard]] std::vector<Line> take() { return std::exchange(lines_, {}); }
 
  private:
-  static constexpr double kAgain = 5.0;  ///< a sensor that comes and goes is spoken of this often [s]
+  static constexpr double kAgain = 5.0;  ///< least time between two warnings of one sensor [s]
 
   void look_at(Sensor sensor, const TickRecord& record);
   void say(const TickRecord& record, bool warning, const char* what, std::string text) {

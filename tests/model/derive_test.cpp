@@ -46,29 +46,17 @@ toml::table short_profile(const std::string& robot) {
   return kept;
 }
 
-/// Numbers of a table by key; those of an array count up.
-void collect_numbers(const toml::node& node, const std::string& key, std::map<std::string, double>& numbers) {
+/// Values of a type (double for all numbers) in a table by key; those of an array count up.
+template <typename T>
+void collect(const toml::node& node, const std::string& key, std::map<std::string, T>& values) {
   if (const toml::table* table = node.as_table()) {
     for (const auto& [name, child] : *table)
-      collect_numbers(child, key + "." + std::string(name.str()), numbers);
+      collect(child, key + "." + std::string(name.str()), values);
   } else if (const toml::array* array = node.as_array()) {
     for (std::size_t i = 0; i < array->size(); ++i)
-      collect_numbers((*array)[i], key + "." + std::to_string(i), numbers);
-  } else if (const auto number = node.value<double>()) {
-    numbers[key] = *number;
-  }
-}
-
-/// The same for its texts.
-void collect_texts(const toml::node& node, const std::string& key, std::map<std::string, std::string>& texts) {
-  if (const toml::table* table = node.as_table()) {
-    for (const auto& [name, child] : *table)
-      collect_texts(child, key + "." + std::string(name.str()), texts);
-  } else if (const toml::array* array = node.as_array()) {
-    for (std::size_t i = 0; i < array->size(); ++i)
-      collect_texts((*array)[i], key + "." + std::to_string(i), texts);
-  } else if (const auto text = node.value<std::string>()) {
-    texts[key] = *text;
+      collect((*array)[i], key + "." + std::to_string(i), values);
+  } else if (const auto value = node.value<T>()) {
+    values[key] = *value;
   }
 }
 
@@ -82,8 +70,8 @@ TEST_P(DeriveTest, GivesTheValuesThatTheProfileWasTunedTo) {
     table->erase("drive");  // servos belong to the motors, not to the size
   std::map<std::string, double> wanted;
   std::map<std::string, double> found;
-  collect_numbers(tuned, "", wanted);
-  collect_numbers(derived, "", found);
+  collect(tuned, "", wanted);
+  collect(derived, "", found);
   EXPECT_GT(wanted.size(), 60U);
   for (const auto& [key, value] : wanted) {
     ASSERT_TRUE(found.contains(key)) << key;
@@ -99,18 +87,18 @@ TEST(MightysProfile, IsShortAndLeavesNothingOutThatIsNotDerivedToTheBit) {
                           .table;
   std::map<std::string, double> wanted;
   std::map<std::string, double> found;
-  collect_numbers(tuned, "", wanted);
-  collect_numbers(derived, "", found);
+  collect(tuned, "", wanted);
+  collect(derived, "", found);
   EXPECT_EQ(found, wanted);
   std::map<std::string, std::string> wanted_texts;
   std::map<std::string, std::string> found_texts;
-  collect_texts(tuned, "", wanted_texts);
-  collect_texts(derived, "", found_texts);
+  collect(tuned, "", wanted_texts);
+  collect(derived, "", found_texts);
   for (std::map<std::string, std::string>* texts : {&wanted_texts, &found_texts})
     texts->erase(".model");
   EXPECT_EQ(found_texts, wanted_texts);
   std::map<std::string, double> stated;
-  collect_numbers(given, "", stated);
+  collect(given, "", stated);
   EXPECT_LT(stated.size(), 40U);  // most of them of home and of the motors' heat
 }
 
@@ -178,7 +166,7 @@ TEST(Derive, WhatIsGivenStaysAndTheRestFollows) {
   toml::table given = short_profile("mighty");
   const toml::table before = complete(given, "/", "short.toml").table;
   std::map<std::string, double> numbers;
-  collect_numbers(before, "", numbers);
+  collect(before, "", numbers);
   int tried = 0;
   for (const auto& [dotted, value] : numbers) {
     const std::string key = dotted.substr(1);

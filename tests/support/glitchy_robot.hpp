@@ -25,7 +25,7 @@ class GlitchyRobot : public Robot {
   [[nodiscard]] const Truth* truth() const override { return hidden ? nullptr : robot_->truth(); }
 
   std::function<void(Measurement&)> spoil;
-  bool hidden = false;  ///< its truth
+  bool hidden = false;  ///< whether it has no truth to tell
 
  private:
   Robot* robot_;
