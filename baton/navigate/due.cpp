@@ -94,6 +94,10 @@ class Requests {
   [[nodiscard]] std::optional<LiftOff> lift_off(int at) const;
   /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
   [[nodiscard]] std::optional<TrailRest> halt_from(int at) const;
+  /// Planning frame of the next motion, by the soles. A foot that lands by then counts too, unless it is far off: it
+  /// moves with the trunk (see `Footing`), so by the other foot alone the next motion would begin with the trunk's
+  /// error.
+  [[nodiscard]] Pose next_anchor() const;
   /// What goals are relative to where the robot rests next.
   [[nodiscard]] GuideContext context_at_rest() const;
   /// Whether what was refused would be refused again.
@@ -522,8 +526,21 @@ std::optional<TrailRest> Requests::halt_from(int at) const {
   return *next;
 }
 
+Pose Requests::next_anchor() const {
+  const MotionSample& sample = course_.sample();
+  const int at = course_.index() + profile_.tick.lookahead;
+  const bool on_the_way = motion_ != nullptr && at < motion_->ticks();
+  const BySide<bool>& then =
+      on_the_way ? motion_->samples[static_cast<std::size_t>(at)].contact : course_.rest().contact;
+  const Pose slid = now_.watch.slid(sample);
+  Pose landed = now_.watch.slid(sample, {sample.contact.left || then.left, sample.contact.right || then.right});
+  landed.p.z() = slid.p.z();
+  const bool lands_there = distance_at(landed, slid, sample.com) < kSlip * profile_.reach.foot;
+  return course_.anchor() * (lands_there ? landed : slid);
+}
+
 GuideContext Requests::context_at_rest() const {
-  const Pose anchor = course_.anchor() * now_.watch.slid(course_.sample());
+  const Pose anchor = next_anchor();
   GuideContext context{course_.rest(), anchor, course_.last_step(), course_.foothold()};
   if (motion_ != nullptr) course_.note_steps(context.last_step, context.foothold);
   context.slip_free_frame = course_.slip_free_frame();

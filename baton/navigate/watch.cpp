@@ -147,8 +147,8 @@ bool Watch::uneven() const {
   return inclination_ > kUneven;
 }
 
-Pose Watch::slid(const MotionSample& planned) const {
-  Pose slid = anchor_correction(planned.sole, state_->sole, planned.contact);
+Pose Watch::slid(const MotionSample& planned, const BySide<bool>& stands) const {
+  Pose slid = anchor_correction(planned.sole, state_->sole, stands);
   // A frame that followed how soles sink would bring every next step down by that: ways back would end in the air.
   const double most = kSinks * robot_->profile().stance.com_height;
   slid.p.z() -= std::clamp(slid.p.z(), -most, most);

@@ -78,7 +78,9 @@ class Watch {
   [[nodiscard]] bool uneven() const;
 
   /// Displacement of the stance soles from their plan, as one displacement of the planning frame.
-  [[nodiscard]] Pose slid(const MotionSample& planned) const;
+  [[nodiscard]] Pose slid(const MotionSample& planned) const { return slid(planned, planned.contact); }
+  /// @param stands the soles to go by
+  [[nodiscard]] Pose slid(const MotionSample& planned, const BySide<bool>& stands) const;
   /// In double support: the sole that is inclined relative to the plan, as on an edge.
   [[nodiscard]] std::optional<Terrain::Inclined> inclined_sole(const MotionSample& planned) const;
   /// Whether the COM is inside the stand-on region.

@@ -3,6 +3,8 @@
 
 #include <random>
 
+#include "baton/proving/scenario.hpp"
+#include "baton/run/simulation.hpp"
 #include "tests/navigate/trip.hpp"
 #include "tests/support/robots.hpp"
 
@@ -264,6 +266,45 @@ TEST_P(FlowTest, AnAnswerThatIsNotThereIsDroppedAndTheMotionEndsAtRest) {
   for (int k = 0; k < static_cast<int>(3.0 * second_); ++k)
     walk.step(stick(Part::trunk, axes(1, 0, 0)));
   EXPECT_GT(walk.navigator().committed(), committed + 3);
+}
+
+/// A foot in the air moves with the trunk, so it lands off target by the trunk's error. The next motion begins from
+/// both soles: by the stance foot alone it would begin with that error, and the one after it with the opposite.
+TEST(FlowInPhysics, AMotionBeginsFromTheFootThatLandedToo) {
+  const RobotModel& robot = test::robot("mighty");
+  const World world = World::load("flat");
+  const double height = robot.profile().stance.com_height;
+  int landings = 0;
+  double apart = 0.0;
+  double off = 0.0;
+  for (const std::uint64_t seed : {0, 1, 2, 3, 4}) {
+    SimulatedRobot::Parameters parameters;
+    parameters.plant = plant_of(scenario_named("hip"), robot, seed, 1.0);
+    Simulation simulation(robot, world, Simulation::On::sim, {.physics = parameters});
+    Session& session = simulation.session();
+    const Navigator& navigator = session.navigator();
+    long committed = 0;
+    bool flew = false;
+    while (session.t() < 8.0 && !session.fallen()) {
+      session.step(stick(Part::trunk, axes(1, seed > 2 ? 1 : 0, 0)));
+      const MotionSample& planned = navigator.sample();
+      const bool stands = planned.contact.left && planned.contact.right;
+      if (navigator.committed() > committed && flew && stands) {
+        ++landings;
+        BySide<Vec2> error;
+        for (const Side side : kSides)
+          error[side] = (navigator.state().sole[side].p - planned.sole[side].p).head<2>();
+        apart += (error.left - error.right).norm();
+        off += 0.5 * (error.left + error.right).norm();
+      }
+      committed = navigator.committed();
+      flew = !stands;
+    }
+    EXPECT_FALSE(session.fallen()) << session.truth()->fall;
+  }
+  EXPECT_GT(landings, 12);
+  EXPECT_GT(apart / landings, 3e-3 * height) << "feet land too well to tell";
+  EXPECT_LT(off, 0.3 * apart) << "half of it, by the stance foot alone";
 }
 
 }  // namespace
