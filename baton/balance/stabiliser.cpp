@@ -1,6 +1,7 @@
 #include "baton/balance/stabiliser.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "baton/math/quintic.hpp"
@@ -18,8 +19,9 @@ constexpr double kSettled = 0.22;      ///< distance of the ZMP from its average
 constexpr double kMostOffset = 0.12;   ///< bound of the COM offset [COM height]
 constexpr double kOffsetBand = 0.072;  ///< dead band of the COM offset [half-width of a sole]
 constexpr double kNear = 0.03;         ///< distance of a joint from the plan at a start that is no jump [rad]
-constexpr double kApproach = 0.3;   ///< speed at which a joint that is farther off comes to the plan, at most [rad/s]
-constexpr double kLeastLoad = 0.5;  ///< least load on the soles for comparing ZMPs, share of the weight
+constexpr double kApproach = 0.3;    ///< speed at which a joint that is farther off comes to the plan, at most [rad/s]
+constexpr double kLeastLoad = 0.5;   ///< least load on the soles for comparing ZMPs, share of the weight
+constexpr double kWholeLoad = 0.75;  ///< load from which the legs carry the whole robot, share of the weight
 
 /// Moments by the trunk's errors of attitude and rate [weight × COM height per rad, per ω].
 struct TrunkGains {
@@ -41,10 +43,11 @@ Stabiliser::Stabiliser(const RobotModel& robot)
       footing_(robot),
       distribution_(robot),
       friction_(robot),
+      scale_(robot),
       waist_(has_waist(robot)),
       averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  commanded_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = zero;
+  commanded_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = modelled_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
   for (int j = 0; j < robot.nv() - 6; ++j) {
     const auto moves = [&](Side side) { return std::ranges::count(robot.dofs_to(robot.foot_body(side)), 6 + j) > 0; };
@@ -98,6 +101,12 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
   subtract_contact(kinematics_, shared, target_.tau = unloaded_);
+  for (int j = 0; j < n; ++j) {
+    double& torque = target_.tau[j];
+    modelled_[j] = torque - learned_torque(j, next.dq[6 + j]);
+    const double most = std::max(std::abs(torque), robot_->joints()[static_cast<std::size_t>(j)].motor.stall);
+    torque = std::clamp(torque + scale_.excess() * modelled_[j], -most, most);
+  }
   target_.q = next.q.tail(n);
   target_.dq = next.dq.tail(n);
   target_.ddq = next.ddq.tail(n);
@@ -183,6 +192,7 @@ void Stabiliser::reset() {
   footing_ = Footing(*robot_);
   integral_torque_.setZero();
   friction_ = JointFriction(*robot_);
+  scale_ = TorqueScale(*robot_);
   first_ = true;
   apart_.setZero();
   steady_zmp_.setZero();
@@ -194,6 +204,8 @@ void Stabiliser::update_joints(const MotionSample& now, const State& state) {
   const int n = robot_->nv() - 6;
   servo_error_ = commanded_ - state.q.tail(n);
   friction_.update(now.dq.tail(n), servo_error_);
+  const double carried = state.force.left.force.z() + state.force.right.force.z();
+  if (carried > kWholeLoad * robot_->mass() * kGravity) scale_.update(modelled_, servo_error_);
   for (int j = 0; j < n; ++j) {
     const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
     const double most = spare_torque(j);

@@ -4,6 +4,7 @@
 
 #include "baton/balance/footing.hpp"
 #include "baton/balance/joint_friction.hpp"
+#include "baton/balance/torque_scale.hpp"
 #include "baton/balance/wrench_distribution.hpp"
 
 namespace baton {
@@ -53,7 +54,7 @@ class Stabiliser {
   /// the legs act on the first body alone.
   /// @param force, moment correction of that wrench, moment about the COM [N, N·m]
   void carry_upper_body(const Vec3& force, const Vec3& moment);
-  /// Updates friction and integral action of the joints.
+  /// Updates friction, torque scale and integral action of the joints.
   void update_joints(const MotionSample& now, const State& state);
   /// What verified motions leave of a joint's stall torque [N·m].
   [[nodiscard]] double spare_torque(int joint) const;
@@ -69,11 +70,13 @@ class Stabiliser {
   VecX commanded_;                 ///< latest commanded joint angles, including footing (n) [rad]
   Mat3 trunk_ = Mat3::Identity();  ///< its planned attitude at the time of the measurement
   VecX unloaded_;                  ///< joint torques without contact (n) [N·m]
+  VecX modelled_;                  ///< joint torques without anything learned (n) [N·m]
   VecX apart_;                ///< where the joints were at the start, less the plan, as far as that is a jump (n) [rad]
   double approaching_ = 0.0;  ///< time since the start, while they are led to the plan [s]
   VecX servo_error_;          ///< commanded − measured joint angles (n) [rad]
   VecX integral_torque_;      ///< torque of the integral action (n) [N·m]
   JointFriction friction_;
+  TorqueScale scale_;
   std::vector<int> upper_;  ///< joints that move neither foot
   bool waist_;              ///< whether joints lie between the root and the trunk
   BySide<Wrench> wanted_;   ///< desired wrench on each sole, in the axes of the planning frame, moment about its centre

@@ -214,6 +214,25 @@ TEST(Scenario, WhatIsConstantlyOffDoesNotStopMighty) {
   }
 }
 
+/// Motors and masses that are not as the profile says are learned within a step or two. An earlier build, which left
+/// that to each joint's integral action, was off by more than these bounds: by 1.1, 1.5, 0.9 and 0.4 mm.
+TEST(Scenario, TorqueThatIsMissingIsMadeUpFor) {
+  const World flat = World::load("flat");
+  const std::atomic<bool> stop{false};
+  for (const auto& [name, most] : {std::pair{"gain", 0.7e-3}, {"kp07", 1.2e-3}, {"kp14", 0.7e-3}, {"mass", 0.3e-3}}) {
+    Trial trial;
+    trial.on = Simulation::On::sim;
+    trial.seed = 7;
+    trial.seconds = 12.0;
+    trial.scenario = &scenario_named(name);
+    trial.times = 1.5;
+    const EpisodeResult result = Episodes(test::robot("mighty"), flat, trial).run(0, stop);
+    EXPECT_EQ(result.summary["falls"], 0) << name;
+    EXPECT_GE(result.tally.moved, 3) << name;
+    EXPECT_LT(result.summary["tracking"]["com_rms_m"].get<double>(), most) << name;
+  }
+}
+
 /// The stick is deflected from the first tick. An earlier build lifted a foot after 60 ms, before it had estimated the
 /// offset of the COM by the payload, and fell.
 TEST(Scenario, MightyLiftsNoFootBeforeItKnowsWhatItCarries) {
