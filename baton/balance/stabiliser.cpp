@@ -101,7 +101,7 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
   subtract_contact(kinematics_, shared, target_.tau = unloaded_);
-  for (int j = 0; j < n; ++j) {
+  for (int j = 0; j < n; ++j) {  // what motors and masses are off
     double& torque = target_.tau[j];
     modelled_[j] = torque - learned_torque(j, next.dq[6 + j]);
     const double most = std::max(std::abs(torque), robot_->joints()[static_cast<std::size_t>(j)].motor.stall);

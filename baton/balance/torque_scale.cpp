@@ -1,6 +1,7 @@
 #include "baton/balance/torque_scale.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace baton {
 namespace {
@@ -10,7 +11,7 @@ constexpr double kLearns = 4.0;        ///< time constant at last [1/ω]
 constexpr double kLeastExcess = -0.4;  ///< bounds of the excess: torque by 0.6 …
 constexpr double kMostExcess = 0.7;    ///< … to 1.7
 constexpr double kLittleLoad = 0.01;   ///< sum of squared torques, in stall torques, below which little is learned
-constexpr std::ptrdiff_t kAnkle = 2;   ///< joints of the ankle
+constexpr std::size_t kAnkle = 2;      ///< joints of the ankle
 
 }  // namespace
 
@@ -24,8 +25,7 @@ void TorqueScale::update(const Eigen::Ref<const VecX>& torque, const Eigen::Ref<
   double loaded = 0.0;
   for (const Side side : kSides) {
     const std::vector<int>& leg = robot_->leg(side);
-    for (auto it = leg.begin(); it != leg.end() - kAnkle; ++it) {
-      const int j = *it;
+    for (const int j : std::span(leg).first(leg.size() - kAnkle)) {
       const Joint& joint = robot_->joints()[static_cast<std::size_t>(j)];
       const double load = torque[j] / joint.motor.stall;
       missing += joint.gains.kp * error[j] / joint.motor.stall * load;
