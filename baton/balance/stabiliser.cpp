@@ -47,7 +47,7 @@ Stabiliser::Stabiliser(const RobotModel& robot)
       waist_(has_waist(robot)),
       averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  commanded_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = modelled_ = zero;
+  commanded_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = learned_ = modelled_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
   for (int j = 0; j < robot.nv() - 6; ++j) {
     const auto moves = [&](Side side) { return std::ranges::count(robot.dofs_to(robot.foot_body(side)), 6 + j) > 0; };
@@ -93,7 +93,8 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   const int n = robot_->nv() - 6;
   for (int j = 0; j < n; ++j) {
     const double damping = robot_->joints()[static_cast<std::size_t>(j)].motor.damping;
-    unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + learned_torque(j, next.dq[6 + j]);
+    learned_[j] = learned_torque(j, next.dq[6 + j]);
+    unloaded_[j] = next.force[6 + j] + damping * next.dq[6 + j] + learned_[j];
   }
   carry_upper_body(force, turning);
   BySide<Wrench> shared = distribution_.share(kinematics_, next.sole, next.contact, total, unloaded_);
@@ -101,9 +102,9 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   for (const Side side : kSides)
     wanted_[side] = {shared[side].force, shared[side].moment_about(next.sole[side].p)};
   subtract_contact(kinematics_, shared, target_.tau = unloaded_);
-  for (int j = 0; j < n; ++j) {  // what motors and masses are off
+  for (int j = 0; j < n; ++j) {  // the torque scale
     double& torque = target_.tau[j];
-    modelled_[j] = torque - learned_torque(j, next.dq[6 + j]);
+    modelled_[j] = torque - learned_[j];
     const double most = std::max(std::abs(torque), robot_->joints()[static_cast<std::size_t>(j)].motor.stall);
     torque = std::clamp(torque + scale_.excess() * modelled_[j], -most, most);
   }

@@ -70,6 +70,7 @@ class Stabiliser {
   VecX commanded_;                 ///< latest commanded joint angles, including footing (n) [rad]
   Mat3 trunk_ = Mat3::Identity();  ///< its planned attitude at the time of the measurement
   VecX unloaded_;                  ///< joint torques without contact (n) [N·m]
+  VecX learned_;                   ///< torques of integral action and friction (n) [N·m]
   VecX modelled_;                  ///< joint torques without anything learned (n) [N·m]
   VecX apart_;                ///< where the joints were at the start, less the plan, as far as that is a jump (n) [rad]
   double approaching_ = 0.0;  ///< time since the start, while they are led to the plan [s]
