@@ -1,7 +1,10 @@
-/// Play (backlash) between motors, with the encoders on them, and the links that they drive: under load, a motor is at
-/// that end of the play towards which its torque pushes. The size of the play shows in double support, where the soles
-/// stand still but encoders turn as load passes from one leg to the other (docs/balance.md).
+/// Play (backlash) between motors, with the encoders on them, and the links that they drive: a motor is at that end of
+/// the play towards which its torque pushes, or on the way there, with no more than its rotor to accelerate. The size
+/// of the play shows in double support, where the soles stand still but encoders turn as load passes from one leg to
+/// the other (docs/balance.md).
 #pragma once
+
+#include <vector>
 
 #include "baton/balance/sole_contact.hpp"
 #include "baton/model/kinematics.hpp"
@@ -29,21 +32,26 @@ class JointPlay {
     VecX side;  ///< where each motor is in its play: −1 to 1
   };
 
-  /// Corrects the estimate by a double support from `begin_` to `latest_`.
+  /// Moves each motor within its play by its torque. Returns whether one of the legs' is crossing.
+  bool cross(const VecX& torque);
+  /// Corrects the estimate by a double support from `begin_` to `end_`.
   void learn();
   /// Displacement of the right sole in the left sole's frame between the two, for joints with this play [m].
   [[nodiscard]] Vec3 moved(double play);
 
   const RobotModel* robot_;
-  double follows_;  ///< fraction of a change of side that is followed in a tick
   Kinematics kinematics_;
   VecX configuration_;
-  VecX end_;  ///< end of the play at which each motor was last: −1 or 1; 0: not known yet
+  std::vector<int> legs_;  ///< their joints
+  VecX speed_;             ///< of each motor within its play (n) [rad/s]
   State latest_;
-  State begin_;
-  long ticks_ = 0;     ///< of the double support so far
-  double play_ = 0.0;  ///< that explains the soles' displacements best [rad]
-  double trust_;       ///< squared displacements by play that it rests on [m²/rad²]
+  State begin_;  ///< of the double support; no motor is crossing there, nor at its end
+  State end_;
+  bool stood_ = false;  ///< whether both soles stood still in the last tick
+  bool begun_ = false;  ///< whether `begin_` and `end_` are of this double support
+  int settled_ = 0;     ///< for how long no motor of the legs has been crossing [ticks]
+  double play_ = 0.0;   ///< that explains the soles' displacements best [rad]
+  double trust_;        ///< squared displacements by play that it rests on [m²/rad²]
 };
 
 }  // namespace baton
