@@ -31,6 +31,8 @@ class Odometry {
   [[nodiscard]] const BySide<double>& load() const { return contact_.load(); }
   /// Error bound of the position, proportional to the distance walked [m].
   [[nodiscard]] double uncertainty() const;
+  /// Play of the joints, to each side, that was taken out of the measured angles [rad].
+  [[nodiscard]] double play() const { return completed_.torque.size() == completed_.q.size() ? play_.estimate() : 0.0; }
   /// The joints and the root's attitude as they were estimated, the root at the origin; null with `perfect`.
   [[nodiscard]] const Kinematics* kinematics() const {
     return source_ == StateSource::perfect ? nullptr : &kinematics_;

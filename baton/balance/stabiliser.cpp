@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kIntegralTime = 3.0;  ///< integral time of the servo's torque [1/ω]
 constexpr double kLeakTime = 12.0;     ///< time constant of the integral's leak [1/ω]
+constexpr double kLeadTime = 0.04;     ///< low-pass of how far motors are sent past their links [1/ω]
 constexpr double kZmpTime = 0.5;       ///< low-pass of the ZMP difference [1/ω]
 constexpr double kOffsetFirst = 1.2;   ///< low-pass of the COM offset at first [1/ω]
 constexpr double kOffsetTime = 12.0;   ///< the same at last
@@ -47,7 +48,7 @@ Stabiliser::Stabiliser(const RobotModel& robot)
       waist_(has_waist(robot)),
       averaged_(kOffsetFirst) {
   const VecX zero = VecX::Zero(robot.nv() - 6);
-  commanded_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = learned_ = modelled_ = zero;
+  commanded_ = lead_ = apart_ = servo_error_ = integral_torque_ = unloaded_ = learned_ = modelled_ = zero;
   target_ = {zero, zero, zero, zero, {}, zero};
   for (int j = 0; j < robot.nv() - 6; ++j) {
     const auto moves = [&](Side side) { return std::ranges::count(robot.dofs_to(robot.foot_body(side)), 6 + j) > 0; };
@@ -56,7 +57,7 @@ Stabiliser::Stabiliser(const RobotModel& robot)
 }
 
 const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSample& next, const State& state,
-                                      double stands) {
+                                      double stands, double play) {
   const Profile& profile = robot_->profile();
   const double omega = robot_->omega();
   correction_.dcm_error = state.dcm(omega) - (now.com + now.dcom / omega);
@@ -120,8 +121,20 @@ const JointTarget& Stabiliser::target(const MotionSample& now, const MotionSampl
   }
   approach_plan();
   if (!apart_.isZero(0.0)) correction_.settling = true;
-  target_.q_correction = commanded_ - target_.q;
+  lead_through_play(stands * play);
+  target_.q_correction = commanded_ + lead_ - target_.q;
   return target_;
+}
+
+void Stabiliser::lead_through_play(double play) {
+  const double follows = std::min(1.0, robot_->omega() * robot_->profile().tick.period / kLeadTime);
+  for (Eigen::Index j = 0; j < lead_.size(); ++j) {
+    // At most by what its torque deflects the servo, so that a small torque that changes sign does not shake the joint.
+    const double kp = robot_->joints()[static_cast<std::size_t>(j)].gains.kp;
+    const double most = std::min(play, std::abs(target_.tau[j]) / kp);
+    if (!std::isfinite(most)) continue;
+    lead_[j] += follows * (std::copysign(most, target_.tau[j]) - lead_[j]);
+  }
 }
 
 void Stabiliser::approach_plan() {
@@ -192,6 +205,7 @@ void Stabiliser::reset() {
   correction_ = {};
   footing_ = Footing(*robot_);
   integral_torque_.setZero();
+  lead_.setZero();
   friction_ = JointFriction(*robot_);
   scale_ = TorqueScale(*robot_);
   first_ = true;

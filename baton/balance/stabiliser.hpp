@@ -33,8 +33,9 @@ class Stabiliser {
   /// @param next planned sample at the end of this tick
   /// @param stands how far the robot stands by itself, from 0 to 1: less while it hangs. Corrections and the moments at
   /// the ankles are scaled by it; below 1 nothing is learned
+  /// @param play of the joints, to each side [rad]
   [[nodiscard]] const JointTarget& target(const MotionSample& now, const MotionSample& next, const State& state,
-                                          double stands = 1.0);
+                                          double stands = 1.0, double play = 0.0);
 
   /// Resets everything learned about terrain and motors.
   void reset();
@@ -60,6 +61,8 @@ class Stabiliser {
   [[nodiscard]] double spare_torque(int joint) const;
   /// Torque of integral action and friction, at most the spare torque [N·m].
   [[nodiscard]] double learned_torque(int joint, double planned_speed) const;
+  /// Sends the motors past their links, to the side of the play to which their torque is to push.
+  void lead_through_play(double play);
   /// Leads the commanded joint angles from where the joints are at a start to where the plan has them, smoothly.
   void approach_plan();
 
@@ -67,7 +70,8 @@ class Stabiliser {
   Kinematics kinematics_;
   Footing footing_;
   WrenchDistribution distribution_;
-  VecX commanded_;                 ///< latest commanded joint angles, including footing (n) [rad]
+  VecX commanded_;                 ///< latest commanded angles of the links, including footing (n) [rad]
+  VecX lead_;                      ///< by how much the motors are sent past them (n) [rad]
   Mat3 trunk_ = Mat3::Identity();  ///< its planned attitude at the time of the measurement
   VecX unloaded_;                  ///< joint torques without contact (n) [N·m]
   VecX learned_;                   ///< torques of integral action and friction (n) [N·m]

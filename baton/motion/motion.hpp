@@ -26,7 +26,7 @@ struct JointTarget {
   VecX ddq;                          ///< [rad/s²]
   VecX tau;                          ///< feed-forward joint torque, including motor damping (n) [N·m]
   BySide<bool> contact{true, true};  ///< planned contacts
-  VecX q_correction;  ///< added to `q` by balance control, to fit the actual ground; empty: nothing (n) [rad]
+  VecX q_correction;  ///< added to `q` by balance control, for the ground and play of joints; empty: nothing (n) [rad]
 };
 
 /// Planned state at one tick.

@@ -58,8 +58,8 @@ const JointTarget& Navigator::tick(const Measurement& measurement, const Command
     watch_.warm(soft_);
     return soft_;
   }
-  const JointTarget& target =
-      stabiliser_.target(course_.sample(), course_.next_sample(), watch_.state(), watch_.stands());
+  const JointTarget& target = stabiliser_.target(course_.sample(), course_.next_sample(), watch_.state(),
+                                                 watch_.stands(), watch_.odometry().play());
   watch_.warm(target);
   // A way back may be minutes long, and soles slide on each step of it.
   if (motion() == nullptr || course_.is<Retracing>()) course_.settle(watch_.slid(course_.sample()));

@@ -416,5 +416,30 @@ TEST_P(StabiliserTest, LearnsTheComOffsetFastAtFirstAndSlowlyLater) {
   }
 }
 
+TEST_P(StabiliserTest, MotorsAreSentPastTheirLinksToTheSideThatTheyPushTo) {
+  const double play = 0.004;
+  int whole = 0;
+  int part = 0;
+  for (const TwoTicks& moment : moments()) {
+    Stabiliser without(robot_);
+    Stabiliser with(robot_);
+    const auto correction = [&](Stabiliser& stabiliser, double size) {
+      VecX latest;
+      for (int tick = 0; tick < 40; ++tick)  // long enough for the low-pass
+        latest = stabiliser.target(moment.now, moment.now, as_planned(moment.now), 1.0, size).q_correction;
+      return latest;
+    };
+    const VecX past = correction(with, play) - correction(without, 0.0);
+    const VecX tau = with.target(moment.now, moment.now, as_planned(moment.now), 1.0, play).tau;
+    for (Eigen::Index j = 0; j < past.size(); ++j) {
+      const double most = std::min(play, std::abs(tau[j]) / robot_.joints()[static_cast<std::size_t>(j)].gains.kp);
+      EXPECT_NEAR(past[j], std::copysign(most, tau[j]), 0.02 * play) << j;
+      (most < play ? part : whole) += 1;
+    }
+  }
+  EXPECT_GT(whole, 200);
+  EXPECT_GT(part, 200);
+}
+
 }  // namespace
 }  // namespace baton
