@@ -87,23 +87,20 @@ double Guide::same_place() const {
   return kSamePlace * robot_->profile().stance.com_height;
 }
 
-GuideResult Guide::go_home(const GuideContext& context) const {
-  const Profile& profile = robot_->profile();
+Goal Guide::initial_stance(const GuideContext& context, Goal goal) const {
+  goal.trunk = rotation_z(mean_yaw(goal.sole));
+  const Vec3 middle = 0.5 * (goal.sole.left.p + goal.sole.right.p);
+  goal.com = com_for(context, middle + Vec3(0, 0, robot_->profile().stance.com_height));
+  return goal;
+}
+
+std::vector<Goal> Guide::home_steps(const GuideContext& context) const {
   const Posture& from = context.from;
-  // The initial posture except for the feet.
-  Goal upright = stay(context, Part::trunk);
-  arms_home(upright);
-  const auto stand_on = [&](Goal goal) {
-    goal.trunk = rotation_z(mean_yaw(goal.sole));
-    const Vec3 middle = 0.5 * (goal.sole.left.p + goal.sole.right.p);
-    goal.com = com_for(context, middle + Vec3(0, 0, profile.stance.com_height));
-    return goal;
-  };
   std::vector<Goal> goals;
   for (const Side side : {other(context.last_step), context.last_step}) {
     const Pose& stance = from.sole[other(side)];
     const Mat3 R = rotation_z(yaw_of(stance.R));
-    const Vec3 at = stance.p + R * Vec3(0, sign_of(side) * profile.stance.width, 0);
+    const Vec3 at = stance.p + R * Vec3(0, sign_of(side) * robot_->profile().stance.width, 0);
     const bool there = (at - from.sole[side].p).head<2>().norm() < same_place() &&
                        std::abs(wrap_angle(yaw_of(R) - yaw_of(from.sole[side].R))) < kSameYaw;
     if (there) continue;
@@ -113,15 +110,45 @@ GuideResult Guide::go_home(const GuideContext& context) const {
       const double turned = std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(from.sole[side].R))) -
                             std::abs(wrap_angle(yaw_of(stance.R) - yaw_of(placement.sole.R)));
       if (placement.refusal || (nearer < same_place() && turned < kSameYaw)) continue;
-      Goal goal = upright;
+      Goal goal = stay(context, Part::trunk);
+      arms_home(goal);
       goal.kind = SegmentKind::step;
       goal.swing = side;
       goal.sole[side] = placement.sole;
-      goals.push_back(stand_on(goal));
+      goals.push_back(initial_stance(context, std::move(goal)));
     }
   }
+  return goals;
+}
+
+std::vector<Goal> Guide::closing_steps(const GuideContext& context, bool forward) const {
+  const BySide<bool>& contact = context.from.contact;
+  if (!contact.left || !contact.right) return {};
+  const auto left_ahead = [&](const BySide<Pose>& sole) {
+    return (rotation_z(-context.from.heading()) * (sole.left.p - sole.right.p)).x();
+  };
+  const double ahead = left_ahead(context.from.sole);
+  if (std::abs(ahead) < robot_->profile().region.stride + same_place()) return {};
+  std::vector<Goal> steps = home_steps(context);
+  std::erase_if(steps,
+                [&](const Goal& step) { return std::abs(left_ahead(step.sole)) > std::abs(ahead) - same_place(); });
+  const Side first = (ahead > 0.0) == forward ? Side::right : Side::left;
+  std::ranges::stable_partition(steps, [&](const Goal& step) { return step.swing == first; });
+  // Where arms cannot go home, they stay.
+  const std::size_t count = steps.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    steps.push_back(steps[i]);
+    steps.back().arms = stay(context, Part::trunk).arms;
+  }
+  return steps;
+}
+
+GuideResult Guide::go_home(const GuideContext& context) const {
+  const Posture& from = context.from;
+  std::vector<Goal> goals = home_steps(context);
   const Goal now = stay(context, Part::trunk);
-  const Goal home = stand_on(upright);
+  Goal home = initial_stance(context, now);
+  arms_home(home);
   const bool there = (home.com - from.com).norm() < same_place() &&
                      rotation_error(home.trunk, from.trunk).norm() < kSameYaw &&
                      (home.arms - now.arms).cwiseAbs().maxCoeff() < kSameYaw;

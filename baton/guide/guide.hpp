@@ -84,6 +84,11 @@ class Guide {
   /// other foot in the same direction. Nothing if that step would be too short.
   [[nodiscard]] GuideResult other_foot_first(const GuideContext& context, const Target& target) const;
 
+  /// Steps that end a stance longer than `stride`, as a capture step may leave it: a foot goes beside the other, or
+  /// nearer to there. None for other stances, or on one foot.
+  /// @param forward which foot comes first: the one behind, or the one ahead
+  [[nodiscard]] std::vector<Goal> closing_steps(const GuideContext& context, bool forward) const;
+
   /// The goal in which nothing moves but what drives the arms.
   [[nodiscard]] Goal staying(const GuideContext& context, Part guided) const;
 
@@ -127,6 +132,8 @@ class Guide {
   [[nodiscard]] Vec3 walking_on(const GuideContext& context, Vec3 move) const;
   /// Goals towards the initial stance, at the feet's current place: steps first, then COM, trunk and arms.
   [[nodiscard]] GuideResult go_home(const GuideContext& context) const;
+  /// Steps that bring a foot beside the other, or nearer to there, with the body as in the initial stance.
+  [[nodiscard]] std::vector<Goal> home_steps(const GuideContext& context) const;
   /// Decides whether and where a foot steps, given COM and trunk attitude of `goal`.
   [[nodiscard]] GuideResult stand_under(const GuideContext& context, const Goal& goal) const;
 
@@ -137,6 +144,8 @@ class Guide {
   /// Appends alternatives for a posture too low, too high or too inclined for stepping: `goal` with the COM halfway to
   /// and at its nominal height, then with the trunk upright, too.
   void add_nominal(const GuideContext& context, Goal goal, std::vector<Goal>& goals) const;
+  /// `goal` with trunk and COM as in the initial stance, above the goal's feet.
+  [[nodiscard]] Goal initial_stance(const GuideContext& context, Goal goal) const;
   /// Sets the arms to the home pose.
   void arms_home(Goal& goal) const;
   /// Distance below which two places are the same [m].

@@ -108,7 +108,13 @@ Strategy::Outcome Strategy::follow_or_stop(const Request& request, bool stops) {
     Outcome outcome = with(uneven_ground_);
     if (!std::holds_alternative<Refusal>(outcome)) return outcome;
   }
-  return with(normal_);
+  Outcome outcome = with(normal_);
+  const auto* refusal = std::get_if<Refusal>(&outcome);
+  if (refusal == nullptr || stops) return outcome;
+  std::optional<PlannedMotion> step = closing_step(request, *refusal);
+  if (!step) return outcome;
+  step->limit = *refusal;
+  return *std::move(step);
 }
 
 Strategy::Outcome Strategy::follow(const Limits& limits, const Request& request) {
@@ -307,6 +313,21 @@ std::optional<PlannedMotion> Strategy::shrunk(const Limits& limits, const Reques
     if (tried(single)) return best;
   }
   return std::nullopt;
+}
+
+std::optional<PlannedMotion> Strategy::closing_step(const Request& request, const Refusal& against) {
+  const GuideContext& context = request.start.context;
+  const std::optional<Target> target = guide_.target(context, request.command);
+  const bool from_rest = request.start.sample < 0;
+  if (modes_.on_limit == OnLimit::discard || !from_rest || !target || target->part != Part::trunk) return std::nullopt;
+  const Vec3 move = target->move.head<3>();
+  const bool along = std::abs(move.x()) > std::max(std::abs(move.y()), std::abs(move.z()));
+  if (!along || against.reason == Reason::ground) return std::nullopt;
+  const std::vector<Goal> steps = guide_.closing_steps(context, move.x() > 0.0);
+  if (steps.empty()) return std::nullopt;
+  PlanResult planned = first_of(normal_, steps, request);
+  auto* found = std::get_if<PlannedMotion>(&planned);
+  return found != nullptr ? std::optional(std::move(*found)) : std::nullopt;
 }
 
 bool Strategy::worth(const Posture& from, const Motion& motion) const {

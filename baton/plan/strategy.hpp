@@ -42,6 +42,9 @@ class Strategy {
   /// @param against refusal of the whole target
   [[nodiscard]] std::optional<PlannedMotion> shrunk(const Limits& limits, const Request& request, const Target& whole,
                                                     const Refusal& against);
+  /// For a refused trunk that is to go ahead or back: a closing step, if the stance is longer than strides
+  /// (`Guide::closing_steps`).
+  [[nodiscard]] std::optional<PlannedMotion> closing_step(const Request& request, const Refusal& against);
   /// Whether the motion moves the guided part far enough to be worth executing.
   [[nodiscard]] bool worth(const Posture& from, const Motion& motion) const;
   /// The first goal with a verified motion; else the refusal of the first goal.

@@ -731,5 +731,36 @@ TEST(GuideInTheRoom, TheTrunkWalksDownTheStepFromItsEdge) {
   EXPECT_GE(sole.p.x() - from.sole.left.p.x(), 0.1);
 }
 
+TEST_P(GuideTest, OnlyAStanceLongerThanAStrideIsClosed) {
+  const Guide guide(robot_, flat());
+  const Profile::Region& region = robot_.profile().region;
+  std::mt19937_64 random(23);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto ahead = [](const BySide<Pose>& sole) {
+    return (rotation_z(-mean_yaw(sole)) * (sole.left.p - sole.right.p)).x();
+  };
+  int closed = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    Posture from = random_stance(random);
+    const double far = region.foot_x.hi * unit(random);
+    from.sole.right.p += rotation_z(mean_yaw(from.sole)) * Vec3(ahead(from.sole) - far, 0, 0);
+    const std::vector<Goal> steps = guide.closing_steps(context(from), trial % 2 == 0);
+    const bool is_long = std::abs(ahead(from.sole)) > region.stride + 0.02 * robot_.profile().stance.com_height;
+    const bool is_short = std::abs(ahead(from.sole)) < region.stride;
+    EXPECT_FALSE(is_short && !steps.empty()) << ahead(from.sole);
+    EXPECT_FALSE(is_long && steps.empty()) << ahead(from.sole);
+    for (const Goal& goal : steps) {
+      ASSERT_EQ(goal.kind, SegmentKind::step);
+      EXPECT_LT(std::abs(ahead(goal.sole)), region.stride);
+      const Side stance = other(*goal.swing);
+      EXPECT_EQ(goal.sole[stance].p, from.sole[stance].p);
+      ++closed;
+    }
+    from.contact[trial % 2 == 0 ? Side::left : Side::right] = false;
+    EXPECT_TRUE(guide.closing_steps(context(from), true).empty());
+  }
+  EXPECT_GT(closed, 200);
+}
+
 }  // namespace
 }  // namespace baton

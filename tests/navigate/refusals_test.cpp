@@ -308,5 +308,53 @@ TEST_P(RefusalsTest, EveryReasonIsMetOnTheWayFromACommandToAMotion) {
   }
 }
 
+// As after a capture step: G1 once stayed where it was for good, as its ankle behind kept the COM from the foot ahead.
+TEST_P(RefusalsTest, ATrunkIsLedOutOfTheLongestStance) {
+  Profile profile = robot_.profile();
+  profile.region.stride *= 0.5;  // its own steps are shorter than those of a guided foot
+  profile.margin.joint = 0.15;
+  const double h = profile.stance.com_height;
+  const RobotModel robot(profile);
+  const World world = World::load("flat");
+  Strategy shrinks(robot, world, {DurationRule::paper, OnLimit::shrink});
+  Strategy discards(robot, world, {DurationRule::paper, OnLimit::discard});
+  const auto ahead = [](const BySide<Pose>& sole) {
+    return (rotation_z(-mean_yaw(sole)) * (sole.left.p - sole.right.p)).x();
+  };
+  int closed = 0;
+  for (const Side side : kSides) {
+    for (const double way : {1.0, -1.0}) {
+      for (const double height : {0.0, 1.0}) {  // the higher, the less do the legs reach
+        Request request;
+        request.start.context = test::at_home(robot);
+        const auto go = [&](Strategy& strategy, const Command& command) {
+          request.start.posture = request.start.context.from;
+          request.command = command;
+          request.intents = {intent_of(command)};
+          Answer answer = strategy.plan(request);
+          if (answer.motion() != nullptr) test::go_on(request.start.context, *answer.motion());
+          return answer;
+        };
+        for (const double share : {1.0, 1.0, 0.5, 0.5, 0.25, 0.25})
+          go(discards, push(foot(side), 0, way * share));
+        for (int k = 0; k < 3; ++k)
+          go(shrinks, push(Part::trunk, 2, height));
+        const double stance = std::abs(ahead(request.start.context.from.sole));
+        ASSERT_GT(stance, profile.region.stride + 0.02 * h);
+        for (int k = 0; k < 4; ++k) {
+          const Posture before = request.start.context.from;
+          const Answer answer = go(shrinks, push(Part::trunk, 0, way));
+          ASSERT_NE(answer.motion(), nullptr) << to_string(answer.refusal()->reason) << " " << answer.refusal()->where;
+          const Goal& goal = answer.motion()->goal;
+          closed += goal.swing && std::abs(ahead(goal.sole)) < 1e-3 * h ? 1 : 0;
+        }
+        const Posture& end = request.start.context.from;
+        EXPECT_GT(way * (end.com - test::at_home(robot).from.com).x(), profile.region.stride);
+      }
+    }
+  }
+  EXPECT_GT(closed, 0);
+}
+
 }  // namespace
 }  // namespace baton
