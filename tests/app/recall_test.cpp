@@ -249,7 +249,7 @@ TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
 )";
   const std::string file = scratch.path("r.json");
   const auto x = [&](const std::string& seconds) {
-    const Outcome outcome = run({"drive", "--world", "room", "--plant", "real", "--seed", "2", "--fast", "--seconds",
+    const Outcome outcome = run({"drive", "--world", "room", "--plant", "real", "--seed", "7", "--fast", "--seconds",
                                  seconds, "--input", "script:" + scratch.write("s.jsonl", script), "--report", file});
     EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
     return scratch.json("r.json")["final"]["com"][0].get<double>();
