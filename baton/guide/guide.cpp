@@ -11,6 +11,15 @@ namespace {
 
 constexpr double kLeastDeflection = 1e-6;  ///< displacements below this are rounding errors [reach]
 
+/// Appends each of the goals with these arms.
+void append_with_arms(std::vector<Goal>& goals, const VecX& arms) {
+  const std::size_t count = goals.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    goals.push_back(goals[i]);
+    goals.back().arms = arms;
+  }
+}
+
 }  // namespace
 
 GuideResult Guide::goals(const GuideContext& context, const Command& raw) const {
@@ -51,11 +60,7 @@ GuideResult Guide::goals(const GuideContext& context, const Target& target) cons
   if (goals == nullptr || goals->empty() || (goals->front().arms - arms).cwiseAbs().maxCoeff() < kSameYaw)
     return result;
   // Where arms cannot go home, as past the trunk, they stay.
-  const std::size_t count = goals->size();
-  for (std::size_t i = 0; i < count; ++i) {
-    goals->push_back((*goals)[i]);
-    goals->back().arms = arms;
-  }
+  append_with_arms(*goals, arms);
   return result;
 }
 
@@ -135,11 +140,7 @@ std::vector<Goal> Guide::closing_steps(const GuideContext& context, bool forward
   const Side first = (ahead > 0.0) == forward ? Side::right : Side::left;
   std::ranges::stable_partition(steps, [&](const Goal& step) { return step.swing == first; });
   // Where arms cannot go home, they stay.
-  const std::size_t count = steps.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    steps.push_back(steps[i]);
-    steps.back().arms = stay(context, Part::trunk).arms;
-  }
+  append_with_arms(steps, stay(context, Part::trunk).arms);
   return steps;
 }
 

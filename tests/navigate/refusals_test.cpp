@@ -342,7 +342,6 @@ TEST_P(RefusalsTest, ATrunkIsLedOutOfTheLongestStance) {
         const double stance = std::abs(ahead(request.start.context.from.sole));
         ASSERT_GT(stance, profile.region.stride + 0.02 * h);
         for (int k = 0; k < 10; ++k) {
-          const Posture before = request.start.context.from;
           const Answer answer = go(shrinks, push(Part::trunk, 0, way));
           ASSERT_NE(answer.motion(), nullptr) << to_string(answer.refusal()->reason) << " " << answer.refusal()->where;
           const Goal& goal = answer.motion()->goal;
