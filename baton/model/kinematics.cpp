@@ -13,35 +13,37 @@ Mat3 matrix(const mjtNum* quat) {
   return Eigen::Quaterniond(quat[0], quat[1], quat[2], quat[3]).toRotationMatrix();
 }
 
-/// R ← R · rotation by `angle` about the unit vector `axis`, most often a coordinate axis.
-void turn(Mat3& R, const Vec3& axis, double angle) {
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(axis[i]) != 1.0) continue;
-    const double c = std::cos(angle);
-    const double s = axis[i] * std::sin(angle);
-    const Vec3 next = R.col((i + 1) % 3);
-    const Vec3 last = R.col((i + 2) % 3);
-    R.col((i + 1) % 3) = c * next + s * last;
-    R.col((i + 2) % 3) = c * last - s * next;
-    return;
-  }
-  R *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-}
-
 }  // namespace
+
+Kinematics::Hinge::Hinge(const mjModel& m, int j)
+    : dof(m.jnt_dofadr[j]),
+      position(m.jnt_qposadr[j]),
+      zero(m.qpos0[m.jnt_qposadr[j]]),
+      axis(vec3(m.jnt_axis + 3 * j)),
+      anchor(vec3(m.jnt_pos + 3 * j)),
+      off_centre(!anchor.isZero(0.0)) {
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(axis[k]) == 1.0) coordinate = k;
+  }
+}
 
 Kinematics::Kinematics(const RobotModel& robot) : robot_(&robot), data_(mj_makeData(&robot.mj())), q_(robot.nq()) {
   const mjModel& m = robot.mj();
   for (int b = 0; b < m.nbody; ++b) {
     const Mat3 R = matrix(m.body_quat + 4 * b);
     inertia_axes_.push_back(matrix(m.body_iquat + 4 * b));
-    fixed_rotation_.push_back(R.isIdentity(0.0) ? std::nullopt : std::optional(R));
+    Mount mount{m.body_parentid[b], vec3(m.body_pos + 3 * b), R, !R.isIdentity(0.0), {}};
+    if (b > 1) {
+      for (int j = m.body_jntadr[b]; j < m.body_jntadr[b] + m.body_jntnum[b]; ++j)
+        mount.hinges.emplace_back(m, j);
+    }
+    mounts_.push_back(std::move(mount));
   }
-  link_.resize(fixed_rotation_.size());
-  subtree_.resize(fixed_rotation_.size());
-  carried_.resize(fixed_rotation_.size());
-  carried_by_.resize(fixed_rotation_.size());
-  link_inertia_.resize(fixed_rotation_.size());
+  link_.resize(mounts_.size());
+  subtree_.resize(mounts_.size());
+  carried_.resize(mounts_.size());
+  carried_by_.resize(mounts_.size());
+  link_inertia_.resize(mounts_.size());
   axis_.resize(static_cast<std::size_t>(m.nv));
 }
 
@@ -73,23 +75,38 @@ void Kinematics::set_links(const VecX& q, const std::vector<int>& links) {
 }
 
 void Kinematics::place(int id, const VecX& q) {
-  const mjModel& m = robot_->mj();
   const auto i = static_cast<std::size_t>(id);
-  const Pose& parent = link_[static_cast<std::size_t>(m.body_parentid[id])];
-  Mat3 R = parent.R;
-  Vec3 p = parent.p + R.lazyProduct(vec3(m.body_pos + 3 * id));
-  if (fixed_rotation_[i]) R *= *fixed_rotation_[i];
-  for (int j = m.body_jntadr[id]; j < m.body_jntadr[id] + m.body_jntnum[id]; ++j) {
-    const auto direction = vec3(m.jnt_axis + 3 * j);
-    const auto anchor = vec3(m.jnt_pos + 3 * j);
-    const bool off_centre = !anchor.isZero(0.0);
-    if (off_centre) p += R * anchor;
-    axis_[static_cast<std::size_t>(m.jnt_dofadr[j])] = {R.lazyProduct(direction), p};
-    const double angle = q[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
-    turn(R, direction, angle);
-    if (off_centre) p -= R * anchor;
+  const Mount& mount = mounts_[i];
+  const Pose& parent = link_[static_cast<std::size_t>(mount.parent)];
+  Mat3& R = link_[i].R;
+  Vec3 p = parent.p + parent.R.lazyProduct(mount.position);
+  if (mount.turned)
+    R = parent.R.lazyProduct(mount.rotation);
+  else
+    R = parent.R;
+  for (const Hinge& hinge : mount.hinges) {
+    const double angle = q[hinge.position] - hinge.zero;
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    Axis& axis = axis_[static_cast<std::size_t>(hinge.dof)];
+    if (hinge.off_centre) p += R.lazyProduct(hinge.anchor);
+    axis.point = p;
+    if (hinge.coordinate < 0) {
+      axis.direction = R.lazyProduct(hinge.axis);
+      R *= Eigen::AngleAxisd(angle, hinge.axis).toRotationMatrix();
+    } else {
+      const double sign = hinge.axis[hinge.coordinate];
+      axis.direction = sign * R.col(hinge.coordinate);
+      const int next_axis = (hinge.coordinate + 1) % 3;
+      const int last_axis = (hinge.coordinate + 2) % 3;
+      const Vec3 next = R.col(next_axis);
+      const Vec3 last = R.col(last_axis);
+      R.col(next_axis) = c * next + sign * s * last;
+      R.col(last_axis) = c * last - sign * s * next;
+    }
+    if (hinge.off_centre) p -= R.lazyProduct(hinge.anchor);
   }
-  link_[i] = {p, R};
+  link_[i].p = p;
 }
 
 void Kinematics::sum_subtrees() const {
@@ -131,8 +148,9 @@ const Mat3& Kinematics::link_inertia(int id) const {
   if (!std::exchange(inertias_valid_, true)) {
     for (int b = 1; b < robot_->mj().nbody; ++b) {
       const auto i = static_cast<std::size_t>(b);
-      const Mat3 axes = link_[i].R * inertia_axes_[i];
-      link_inertia_[i] = axes * vec3(robot_->mj().body_inertia + 3 * b).asDiagonal() * axes.transpose();
+      const Mat3 axes = link_[i].R.lazyProduct(inertia_axes_[i]);
+      const Mat3 scaled = axes * vec3(robot_->mj().body_inertia + 3 * b).asDiagonal();
+      link_inertia_[i] = scaled.lazyProduct(axes.transpose());
     }
   }
   return link_inertia_[static_cast<std::size_t>(id)];

@@ -73,6 +73,25 @@ class Kinematics {
   [[nodiscard]] double self_distance(double limit, std::array<int, 2>* geoms = nullptr) const;
 
  private:
+  /// Geometry of a joint, in its link.
+  struct Hinge {
+    Hinge(const mjModel& m, int j);
+    int dof;
+    int position;         ///< index in q
+    double zero;          ///< angle at which the link is as it is mounted [rad]
+    Vec3 axis;            ///< unit
+    Vec3 anchor;          ///< a point of the axis [m]
+    bool off_centre;      ///< whether that is not the link's origin
+    int coordinate = -1;  ///< the coordinate axis that `axis` is, or its opposite; -1: neither
+  };
+  /// Where a link is at zero joint angles, in its parent.
+  struct Mount {
+    int parent;
+    Vec3 position;
+    Mat3 rotation;
+    bool turned;  ///< whether `rotation` is not the identity
+    std::vector<Hinge> hinges;
+  };
   /// What accelerates a link and its descendants: force, moment about the root's origin [N, N·m, world].
   struct Carried {
     Vec3 force, moment;
@@ -91,8 +110,8 @@ class Kinematics {
   const RobotModel* robot_;
   DataPtr data_;
   VecX q_;
-  std::vector<std::optional<Mat3>> fixed_rotation_;  ///< attitude in the parent at zero joint angles; none: identity
-  std::vector<Mat3> inertia_axes_;                   ///< attitude of each link's principal axes of inertia
+  std::vector<Mount> mounts_;       ///< by link
+  std::vector<Mat3> inertia_axes_;  ///< attitude of each link's principal axes of inertia
   std::vector<Pose> link_;
   std::vector<Axis> axis_;                  ///< by degree of freedom
   mutable std::vector<Vec3> subtree_;       ///< mass × COM of each link and its descendants [kg m]
