@@ -235,7 +235,7 @@ bool Footing::step_towards(Side side, const Pose& goal, const Kinematics& kinema
     gram.noalias() += column * column.transpose();
     columns_.col(i) = column;
   }
-  const Vec6 along = gram.llt().solve(error);
+  const Vec6 along = gram.ldlt().solve(error);
   double farthest = 0.0;
   for (Eigen::Index i = 0; i < n; ++i)
     farthest = std::max(farthest, std::abs(columns_.col(i).dot(along)));
