@@ -17,7 +17,7 @@ Mat3 matrix(const mjtNum* quat) {
 
 Kinematics::Hinge::Hinge(const mjModel& m, int j)
     : dof(m.jnt_dofadr[j]),
-      position(m.jnt_qposadr[j]),
+      qpos(m.jnt_qposadr[j]),
       zero(m.qpos0[m.jnt_qposadr[j]]),
       axis(vec3(m.jnt_axis + 3 * j)),
       anchor(vec3(m.jnt_pos + 3 * j)),
@@ -85,8 +85,8 @@ void Kinematics::place(int id, const VecX& q) {
   else
     R = parent.R;
   for (const Hinge& hinge : mount.hinges) {
-    const double angle = q[hinge.position] - hinge.zero;
-    const double c = std::cos(angle);
+    const double angle = q[hinge.qpos] - hinge.zero;
+    const double c = std::cos(angle);  // here, before anything is written, one call computes both
     const double s = std::sin(angle);
     Axis& axis = axis_[static_cast<std::size_t>(hinge.dof)];
     if (hinge.off_centre) p += R.lazyProduct(hinge.anchor);

@@ -77,7 +77,7 @@ class Kinematics {
   struct Hinge {
     Hinge(const mjModel& m, int j);
     int dof;
-    int position;         ///< index in q
+    int qpos;             ///< index in q
     double zero;          ///< angle at which the link is as it is mounted [rad]
     Vec3 axis;            ///< unit
     Vec3 anchor;          ///< a point of the axis [m]
