@@ -104,10 +104,13 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
   for (const Side side : kSides) {
     const bool misses = now.contact[side] && wanted[side].force.z() > kExpectedLoad * weight_ && carries[side] == 0.0 &&
                         carries[other(side)] > 0.0;
+    const bool searched = missing_time_[side] > kMissedTime;
     missing_time_[side] = misses ? missing_time_[side] + period_ : 0.0;
     // A descending foot follows the terrain from early touchdown on; an ascending one must not stick to it.
     const bool lands = next.sole[side].p.z() < now.sole[side].p.z();
     if ((now.contact[side] || lands) && carries[side] > 0.0) {
+      // Found, though late: the leg would push the robot over by what it went too far.
+      if (searched) offset_[side].p.z() = std::max(offset_[side].p.z(), (state.sole[side].p - now.sole[side].p).z());
       follow_ground(side, carries[side], now, state, wanted[side]);
     } else if (missing_time_[side] > kMissedTime) {
       // The terrain is lower than planned.
