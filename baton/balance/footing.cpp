@@ -36,6 +36,8 @@ constexpr double kAirRate = 4.0;         ///< a sole in the air makes up for the
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
 constexpr double kOld = 0.066;           ///< age of measurements that halves all compliance
 constexpr double kAgeRate = 0.3;         ///< low-pass of the measurements' age
+constexpr double kRockRate = 0.3;        ///< high-pass of the load that rocks from sole to sole, low-pass of its square
+constexpr double kRocking = 0.18;        ///< its rms, as difference between the soles, that halves all compliance
 constexpr double kStiffServo = 12.0;     ///< ankle kp above which compliance falls [weight × COM height/rad]
 // The legs' kinematics, a numerical iteration:
 constexpr double kDamping = 1e-6;      ///< added to half of the squared error [m², rad²]
@@ -95,6 +97,14 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
   // the delay.
   age_ += share_of(kAgeRate) * (state.age * robot_->omega() - age_);
   compliance_ = softness_ / (1.0 + age_ / kOld);
+  if (now.contact.left && now.contact.right) {
+    feel_rocking(state, wanted);
+    // Not on soft ground: soles have to yield there.
+    compliance_ /= 1.0 + std::pow(std::sqrt(rocking_) / (kRocking * ground_gain()), 4);
+  } else {
+    uneven_ = 0.0;
+    rocking_ -= share_of(kRockRate) * rocking_;
+  }
   BySide<double> carries;
   for (const Side side : kSides) {
     const double load = state.force[side].force.z() / weight_;
@@ -137,6 +147,17 @@ Footing::Offset Footing::levelled(Side side, const MotionSample& now, const Stat
   return offset;
 }
 
+double Footing::ground_gain() const {
+  return std::min(1.0 + ankle_kp_ * ground_.estimate(), kMaxSoftGain);
+}
+
+void Footing::feel_rocking(const State& state, const BySide<Wrench>& wanted) {
+  const double left = (state.force.left.force - wanted.left.force).z() / weight_;
+  const double right = (state.force.right.force - wanted.right.force).z() / weight_;
+  uneven_ += share_of(kRockRate) * (left - right - uneven_);
+  rocking_ += share_of(kRockRate) * (std::pow(left - right - uneven_, 2) - rocking_);
+}
+
 void Footing::relax(const State& state, const BySide<Wrench>& wanted) {
   // Half of the difference: an excess that both soles have in common is no internal force.
   const Wrench& left = wanted.left;
@@ -166,8 +187,7 @@ void Footing::follow_ground(Side side, double carries, const MotionSample& now, 
   offset.p.z() += carries * yields * beyond(heavier, kForceBand);
   const Vec2 turned = rotation_error(state.sole[side].R, now.sole[side].R).head<2>();
   ground_.update(side, turned, force.moment.head<2>() / (weight_ * height_), now.contact[side] && carries >= 1.0);
-  // In series with soft ground an ankle turns that much farther for the same moment.
-  const double farther = std::min(1.0 + ankle_kp_ * ground_.estimate(), kMaxSoftGain);
+  const double farther = ground_gain();
   const Vec2 excess = (force.moment - wanted.moment).head<2>() / (weight_ * height_);
   const double band = kMomentBand * half_width_ / height_ / farther * force.force.z() / weight_;
   const Vec2 tips = beyond(excess, band);

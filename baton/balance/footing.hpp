@@ -42,6 +42,11 @@ class Footing {
   /// although the trunk that carries it is off its plan. To the side and ahead the sole moves with the trunk.
   [[nodiscard]] Offset levelled(Side side, const MotionSample& now, const State& state) const;
 
+  /// Updates `rocking_` and `uneven_`, in double support.
+  void feel_rocking(const State& state, const BySide<Wrench>& wanted);
+  /// How much farther an ankle turns for the same moment, as it is in series with soft ground: 1 if it is firm.
+  [[nodiscard]] double ground_gain() const;
+
   /// Moves the soles apart or together, to relax internal forces between the legs.
   void relax(const State& state, const BySide<Wrench>& wanted);
 
@@ -75,7 +80,9 @@ class Footing {
   BySide<Offset> offset_;
   BySide<Tipping> tipping_;
   double age_ = 0.0;                ///< of the measurements, low-passed [1/ω]
-  double compliance_ = 1.0;         ///< factor on all compliance, by stiffness and age
+  double uneven_ = 0.0;             ///< excess load of the left sole less that of the right, low-passed [weights]
+  double rocking_ = 0.0;            ///< mean square of what it differs from that, in double support [weights²]
+  double compliance_ = 1.0;         ///< factor on all compliance, by stiffness, age and rocking
   Vec2 floor_tilt_ = Vec2::Zero();  ///< tilt of the terrain relative to the map: `turn` of flat soles, low-passed [rad]
   BySide<double> missing_time_{0.0, 0.0};  ///< time for which an expected contact has been missing [1/ω]
 };

@@ -385,6 +385,39 @@ TEST_P(FootingTest, ASoleYieldsToTheForceThatIsTooMuch) {
   }
 }
 
+TEST_P(FootingTest, TheMoreLoadRocksFromSoleToSoleTheLessASoleYields) {
+  // Compliance with delay is what keeps a robot rocking. Soft ground has to be yielded to all the same.
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vec3 way = random_.direction();
+    const double rate = random_(6.0, 12.0);  // [Hz]
+    const auto after = [&](double swing, double softness) {
+      Footing footing(robot_);
+      for (int tick = 0; tick < 20 * second_; ++tick) {
+        const double t = static_cast<double>(tick) / second_;
+        BySide<Wrench> wanted = halves_;
+        const Vec3 moment = 0.03 * std::sin(0.3 + 8.0 * t) * way;
+        wanted.left.moment += moment * weight_ * size_;
+        State state = as_planned(held_, wanted);
+        state.sole.left.R = rotation_exp(-softness * moment) * state.sole.left.R;
+        for (const Side side : kSides)
+          state.force[side].force.z() += sign_of(side) * 0.5 * swing * weight_ * std::sin(2.0 * M_PI * rate * t);
+        footing.follow(held_, held_, state, wanted);
+      }
+      const Vec3 before = footing.offset().left.turn;
+      BySide<Wrench> force = halves_;
+      force.left.moment += 0.06 * weight_ * size_ * way;
+      for (int tick = 0; tick < 4; ++tick)
+        footing.follow(held_, held_, as_planned(held_, force), halves_);
+      return (footing.offset().left.turn - before).dot(way);
+    };
+    const double calm = after(0.0, 0.0);
+    EXPECT_GT(after(0.1, 0.0), 0.9 * calm) << "what walking does changes nothing";
+    EXPECT_LT(after(0.5, 0.0), 0.2 * calm);
+    EXPECT_LT(after(0.8, 0.0), 0.1 * calm);
+    EXPECT_GT(after(0.5, 1.0), 0.5 * after(0.0, 1.0)) << "on soft ground";
+  }
+}
+
 TEST_P(FootingTest, LegsThatPressAgainstEachOtherGiveWay) {
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3 apart = random_(0.01, 0.2) * weight_ * random_.direction();
