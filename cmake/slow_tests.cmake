@@ -7,6 +7,7 @@ set(slow_suites
     Calibrate
     CalibrateTest
     Check
+    DriveToTheWall
     EdgesElsewhere
     Episode
     FallTest

@@ -94,6 +94,8 @@ class Requests {
   [[nodiscard]] std::optional<LiftOff> lift_off(int at) const;
   /// The rest on the way back that can be stopped at from there: both feet stand until it is passed.
   [[nodiscard]] std::optional<TrailRest> halt_from(int at) const;
+  /// Contacts where the next motion begins.
+  [[nodiscard]] const BySide<bool>& next_contact() const;
   /// Planning frame of the next motion, by the soles. A foot that lands by then counts too, unless it is far off: it
   /// moves with the trunk (see `Footing`), so by the other foot alone the next motion would begin with the trunk's
   /// error.
@@ -197,6 +199,7 @@ Request Requests::arms_on_the_way(int at) const {
     make_same_step(context);
   } else {
     goal.drift_correction = {};  // the slip-free frame has it already
+    context.place_uncertainty = goal.place_uncertainty;
     if (landed && both_stand(goal.contact)) {
       goal.swing.reset();
       goal.kind = SegmentKind::shift;
@@ -526,12 +529,15 @@ std::optional<TrailRest> Requests::halt_from(int at) const {
   return *next;
 }
 
-Pose Requests::next_anchor() const {
-  const MotionSample& sample = course_.sample();
+const BySide<bool>& Requests::next_contact() const {
   const int at = course_.index() + profile_.tick.lookahead;
   const bool on_the_way = motion_ != nullptr && at < motion_->ticks();
-  const BySide<bool>& then =
-      on_the_way ? motion_->samples[static_cast<std::size_t>(at)].contact : course_.rest().contact;
+  return on_the_way ? motion_->samples[static_cast<std::size_t>(at)].contact : course_.rest().contact;
+}
+
+Pose Requests::next_anchor() const {
+  const MotionSample& sample = course_.sample();
+  const BySide<bool>& then = next_contact();
   const Pose slid = now_.watch.slid(sample);
   Pose landed = now_.watch.slid(sample, {sample.contact.left || then.left, sample.contact.right || then.right});
   landed.p.z() = slid.p.z();
@@ -545,9 +551,8 @@ GuideContext Requests::context_at_rest() const {
   if (motion_ != nullptr) course_.note_steps(context.last_step, context.foothold);
   context.slip_free_frame = course_.slip_free_frame();
   context.com_offset = now_.correction.com_offset;
-  // With a foot in the air it stays what that was to land with.
-  context.place_uncertainty =
-      both_stand(course_.sample().contact) ? now_.watch.odometry().uncertainty() : course_.uncertainty();
+  // With a foot in the air it stays what that was to land with; if the foot has landed by then, that step counts next.
+  context.place_uncertainty = both_stand(next_contact()) ? now_.watch.odometry().uncertainty() : course_.uncertainty();
   return context;
 }
 

@@ -402,6 +402,23 @@ TEST(Reproduce, TheRoomIsReachedAndDriveGivesTheSameTrace) {
   EXPECT_EQ(scratch.read("again.csv"), scratch.read("room/room.csv"));
 }
 
+TEST(DriveToTheWall, StopsBeforeItThoughItsPlaceIsUnsure) {
+  const Scratch scratch;
+  const std::string ahead = scratch.write("s.jsonl", R"({"t": 0.1, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]})"
+                                                     "\n");
+  int near_it = 0;
+  for (int seed = 0; seed < 12; ++seed) {  // 1 and 8 once ran into the door post
+    const Outcome outcome =
+        run({"drive", "--world", "room", "--plant", "real", "--seed", std::to_string(seed), "--fast", "--seconds", "14",
+             "--input", "script:" + ahead, "--report", scratch.path("r.json")});
+    EXPECT_EQ(outcome.code, app::kDone) << seed << outcome.out;
+    const double x = scratch.json("r.json")["final"]["com"][0].get<double>();
+    near_it += x > 0.79 ? 1 : 0;  // who steps on an edge stays there
+    EXPECT_LT(x, 0.85) << seed << ": not at it, with 89 mm from the trunk's middle to its front";
+  }
+  EXPECT_GE(near_it, 9) << "the wall is at 0.945";
+}
+
 TEST(Reproduce, WalksOfAMinuteEndWhereTheyWereToEnd) {
   const Scratch scratch;
   const Outcome outcome = run({"reproduce", "walks", "--plant", "model", "--out", scratch.path("walks")});

@@ -31,6 +31,7 @@ class Trip {
     navigator_.poll();
     if (auto request = navigator_.request()) {
       ++requests_;
+      if (on_request) on_request(*request);
       if (answer) navigator_.answer(strategy_.plan(*request));
     }
     return target;
@@ -38,6 +39,9 @@ class Trip {
 
   /// Called before and after each tick of the navigator.
   std::function<void(bool begins)> on_tick;
+
+  /// Called with each request, before it is answered.
+  std::function<void(const Request&)> on_request;
 
   Navigator& navigator() { return navigator_; }
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
