@@ -13,9 +13,10 @@ constexpr double kFollowHeightEarly = 4.9;  ///< the same after early touchdown
 constexpr double kFollowPlace = 1.3;        ///< horizontal position of a loaded sole is followed
 constexpr double kFollowTilt = 1.3;         ///< tilt of a loaded sole is followed
 constexpr double kSearch = 0.1;             ///< downward search while an expected contact is missing [COM height × ω]
+constexpr double kWithdraw = 0.25;  ///< speed at which it is taken back, once it has found the ground [COM height × ω]
 constexpr double kRelax = 0.16;     ///< compliance with internal force between the legs [COM height × ω per weight]
 constexpr double kUntwist = 0.33;   ///< the same with internal yaw moment [ω per weight × COM height]
-constexpr double kYieldTilt = 1.3;  ///< compliance with excess moment [ω per weight × COM height]
+constexpr double kYieldTilt = 1.3;       ///< compliance with excess moment [ω per weight × COM height]
 constexpr double kYieldHeight = 0.033;   ///< compliance with excess vertical force [COM height × ω per weight]
 constexpr double kMomentBand = 0.29;     ///< dead band of excess moment, as error of the centre of pressure [sole]
 constexpr double kForceBand = 0.1;       ///< dead band of excess force
@@ -36,8 +37,10 @@ constexpr double kAirRate = 4.0;         ///< a sole in the air makes up for the
 constexpr double kFloorRate = 0.05;      ///< low-pass of the terrain's tilt
 constexpr double kOld = 0.066;           ///< age of measurements that halves all compliance
 constexpr double kAgeRate = 0.3;         ///< low-pass of the measurements' age
-constexpr double kRockRate = 0.3;        ///< high-pass of the load that rocks from sole to sole, low-pass of its square
+constexpr double kSwayRate = 3.0;        ///< high-pass of the load that rocks from sole to sole
+constexpr double kRockRate = 0.3;        ///< low-pass of its square
 constexpr double kRocking = 0.18;        ///< its rms, as difference between the soles, that halves all compliance
+constexpr double kAtRest = 1e-3;         ///< planned speed at rest: norm over the root and all joints [m/s, rad/s]
 constexpr double kStiffServo = 12.0;     ///< ankle kp above which compliance falls [weight × COM height/rad]
 // The legs' kinematics, a numerical iteration:
 constexpr double kDamping = 1e-6;      ///< added to half of the squared error [m², rad²]
@@ -97,12 +100,12 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
   // the delay.
   age_ += share_of(kAgeRate) * (state.age * robot_->omega() - age_);
   compliance_ = softness_ / (1.0 + age_ / kOld);
-  if (now.contact.left && now.contact.right) {
+  if (now.contact.left && now.contact.right && now.dq.norm() < kAtRest) {
     feel_rocking(state, wanted);
     // Not on soft ground: soles have to yield there.
     compliance_ /= 1.0 + std::pow(std::sqrt(rocking_) / (kRocking * ground_gain()), 4);
   } else {
-    uneven_ = 0.0;
+    uneven_.reset();
     rocking_ -= share_of(kRockRate) * rocking_;
   }
   BySide<double> carries;
@@ -114,16 +117,16 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
   for (const Side side : kSides) {
     const bool misses = now.contact[side] && wanted[side].force.z() > kExpectedLoad * weight_ && carries[side] == 0.0 &&
                         carries[other(side)] > 0.0;
-    const bool searched = missing_time_[side] > kMissedTime;
     missing_time_[side] = misses ? missing_time_[side] + period_ : 0.0;
     // A descending foot follows the terrain from early touchdown on; an ascending one must not stick to it.
     const bool lands = next.sole[side].p.z() < now.sole[side].p.z();
+    overreaches_[side] = overreaches_[side] && now.contact[side];
     if ((now.contact[side] || lands) && carries[side] > 0.0) {
-      // Found, though late: the leg would push the robot over by what it went too far.
-      if (searched) offset_[side].p.z() = std::max(offset_[side].p.z(), (state.sole[side].p - now.sole[side].p).z());
+      if (overreaches_[side]) withdraw(side, now, state, wanted[side]);
       follow_ground(side, carries[side], now, state, wanted[side]);
     } else if (missing_time_[side] > kMissedTime) {
       // The terrain is lower than planned.
+      overreaches_[side] = true;
       double& z = offset_[side].p.z();
       z = std::max(z - share_of(kSearch) * height_, -kMaxHeight * height_);
     } else if (!now.contact[side]) {
@@ -133,6 +136,15 @@ void Footing::follow(const MotionSample& now, const MotionSample& next, const St
       offset.turn += share_of(kAirRate) * (wish.turn - offset.turn);
     }
   }
+}
+
+void Footing::withdraw(Side side, const MotionSample& now, const State& state, const Wrench& wanted) {
+  double& z = offset_[side].p.z();
+  const double ground = (state.sole[side].p - now.sole[side].p).z();
+  // What presses no more than it should, as where it catches a robot that was pushed, stays.
+  if (state.force[side].force.z() > wanted.force.z())
+    z = std::max(z, std::min(ground, z + share_of(kWithdraw) * height_));
+  overreaches_[side] = z < ground - kPlaceBand * height_;
 }
 
 Footing::Offset Footing::levelled(Side side, const MotionSample& now, const State& state) const {
@@ -154,8 +166,10 @@ double Footing::ground_gain() const {
 void Footing::feel_rocking(const State& state, const BySide<Wrench>& wanted) {
   const double left = (state.force.left.force - wanted.left.force).z() / weight_;
   const double right = (state.force.right.force - wanted.right.force).z() / weight_;
-  uneven_ += share_of(kRockRate) * (left - right - uneven_);
-  rocking_ += share_of(kRockRate) * (std::pow(left - right - uneven_, 2) - rocking_);
+  const double apart = left - right;
+  if (!uneven_) uneven_ = apart;
+  *uneven_ += share_of(kSwayRate) * (apart - *uneven_);
+  rocking_ += share_of(kRockRate) * (std::pow(apart - *uneven_, 2) - rocking_);
 }
 
 void Footing::relax(const State& state, const BySide<Wrench>& wanted) {

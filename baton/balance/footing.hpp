@@ -2,6 +2,8 @@
 /// comply with excess contact forces, so that the trunk stays where it was planned (docs/balance.md).
 #pragma once
 
+#include <optional>
+
 #include "baton/balance/ground_compliance.hpp"
 #include "baton/balance/state.hpp"
 
@@ -38,11 +40,15 @@ class Footing {
   /// @param carries gain by the load, 0…1
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
 
+  /// Takes a sole that has searched for the ground, and presses on it by more than is wanted, back to its height:
+  /// contact is known late, and servos lag, so the leg would push the robot over by what it went too far.
+  void withdraw(Side side, const MotionSample& now, const State& state, const Wrench& wanted);
+
   /// The offset by which a sole in the air is as high as planned, and inclined as planned relative to the floor,
   /// although the trunk that carries it is off its plan. To the side and ahead the sole moves with the trunk.
   [[nodiscard]] Offset levelled(Side side, const MotionSample& now, const State& state) const;
 
-  /// Updates `rocking_` and `uneven_`, in double support.
+  /// Updates `rocking_` and `uneven_`, at rest on both feet.
   void feel_rocking(const State& state, const BySide<Wrench>& wanted);
   /// How much farther an ankle turns for the same moment, as it is in series with soft ground: 1 if it is firm.
   [[nodiscard]] double ground_gain() const;
@@ -80,11 +86,12 @@ class Footing {
   BySide<Offset> offset_;
   BySide<Tipping> tipping_;
   double age_ = 0.0;                ///< of the measurements, low-passed [1/ω]
-  double uneven_ = 0.0;             ///< excess load of the left sole less that of the right, low-passed [weights]
-  double rocking_ = 0.0;            ///< mean square of what it differs from that, in double support [weights²]
+  std::optional<double> uneven_;    ///< excess load of the left sole less that of the right, low-passed [weights]
+  double rocking_ = 0.0;            ///< mean square of what it differs from that, at rest [weights²]
   double compliance_ = 1.0;         ///< factor on all compliance, by stiffness, age and rocking
   Vec2 floor_tilt_ = Vec2::Zero();  ///< tilt of the terrain relative to the map: `turn` of flat soles, low-passed [rad]
-  BySide<double> missing_time_{0.0, 0.0};  ///< time for which an expected contact has been missing [1/ω]
+  BySide<bool> overreaches_{false, false};  ///< whether a search may have sent the sole too far down
+  BySide<double> missing_time_{0.0, 0.0};   ///< time for which an expected contact has been missing [1/ω]
 };
 
 }  // namespace baton

@@ -178,14 +178,17 @@ TEST_P(FootingTest, AFootThatShouldCarryLooksForTheGroundFartherDown) {
       ASSERT_TRUE(nothing(senseless.offset().left)) << "no sole is known to carry";
     }
     EXPECT_EQ(before<-0.03 * size_, planned> 0.1) << planned;
-    // It has found it, 2 mm below.
-    State found = as_planned(held_, wanted);
+    // It has found it, 2 mm below, and presses on it by more than it should.
+    State found = as_planned(held_, {load(planned + 0.05), load(0.95 - planned)});
     found.sole.left.p.z() -= 0.008 * size_;
     if (planned < 0.1) continue;
     for (int tick = 0; tick < second_; ++tick) {
+      const double z = footing.offset().left.p.z();
       footing.follow(held_, held_, found, wanted);
-      ASSERT_NEAR(footing.offset().left.p.z(), -0.008 * size_, 1.5e-3 * size_)
-          << "at once: it fell over the other foot as this one pressed on by what it had reached too far";
+      ASSERT_LT(std::abs(footing.offset().left.p.z() - z), 0.012 * size_) << "no jump";
+      // A robot fell over its other foot as this one pressed on by what it had reached too far.
+      if (tick < 5) continue;
+      ASSERT_NEAR(footing.offset().left.p.z(), -0.008 * size_, 1.5e-3 * size_);
     }
     EXPECT_NEAR(footing.offset().left.p.z(), -0.008 * size_, kExact * size_);
   }
@@ -411,7 +414,7 @@ TEST_P(FootingTest, TheMoreLoadRocksFromSoleToSoleTheLessASoleYields) {
       return (footing.offset().left.turn - before).dot(way);
     };
     const double calm = after(0.0, 0.0);
-    EXPECT_GT(after(0.1, 0.0), 0.9 * calm) << "what walking does changes nothing";
+    EXPECT_GT(after(0.1, 0.0), 0.9 * calm) << "a tenth of the weight changes nothing";
     EXPECT_LT(after(0.5, 0.0), 0.2 * calm);
     EXPECT_LT(after(0.8, 0.0), 0.1 * calm);
     EXPECT_GT(after(0.5, 1.0), 0.5 * after(0.0, 1.0)) << "on soft ground";
