@@ -241,23 +241,35 @@ TEST(Recall, WhoIsPushedOffARestOnTheWayBackGoesBackNoMore) {  // the step that 
 
 TEST(Recall, RetraceGoesAsFarAsItCanWhereAFootholdIsLost) {
   // Down the room's steps and on to the wall: the estimate is off by more than the edges' margins when it is back
-  // there.
+  // there, on some plants.
   const Scratch scratch;
-  const std::string script = R"({"t": 0.1, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
+  const std::string script = scratch.write("s.jsonl", R"({"t": 0.1, "guide": "trunk", "axes": [1, 0, 0, 0, 0, 0]}
 {"t": 11.1}
 {"t": 14, "retrace": true}
-)";
-  const std::string file = scratch.path("r.json");
-  const auto x = [&](const std::string& seconds) {
-    const Outcome outcome = run({"drive", "--world", "room", "--plant", "real", "--seed", "7", "--fast", "--seconds",
-                                 seconds, "--input", "script:" + scratch.write("s.jsonl", script), "--report", file});
-    EXPECT_EQ(outcome.code, app::kDone) << outcome.err;
-    return scratch.json("r.json")["final"]["com"][0].get<double>();
-  };
-  const double there = x("14");
-  EXPECT_GT(there, 0.5) << "beyond the steps";
-  EXPECT_LT(x("34"), 0.35) << "back at the steps";
-  EXPECT_GE(scratch.json("r.json")["segments"]["shrunk"].value("ground", 0), 1) << "and it says why no farther";
+)");
+  int lost = 0;
+  for (const char* seed : {"2", "3", "4", "6"}) {
+    const auto after = [&](const char* seconds) {
+      const Outcome outcome = run({"drive", "--world", "room", "--plant", "real", "--seed", seed, "--fast", "--seconds",
+                                   seconds, "--input", "script:" + script, "--report", scratch.path("r.json")});
+      EXPECT_EQ(outcome.code, app::kDone) << outcome.out << outcome.err;
+      return scratch.json("r.json");
+    };
+    const auto x = [](const json& report) { return report["final"]["com"][0].get<double>(); };
+    const json out = after("14");
+    const double there = x(out);
+    EXPECT_GT(there, 0.5) << "beyond the steps";
+    const json back = after("34");
+    EXPECT_LT(x(back), there - 0.2) << seed;
+    if (x(back) < 0.05) continue;  // all the way
+    ++lost;
+    const auto edges = [](const json& report) {
+      const json& shrunk = report["segments"]["shrunk"];
+      return shrunk.value("ground", 0) + shrunk.value("swing_ground", 0);
+    };
+    EXPECT_GT(edges(back), edges(out)) << seed << ": it says why no farther";
+  }
+  EXPECT_GE(lost, 1);
 }
 
 TEST(Recall, RetraceEndsWhenItIsLetGo) {
