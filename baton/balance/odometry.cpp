@@ -7,7 +7,7 @@
 namespace baton {
 namespace {
 
-constexpr double kDrift = 3e-2;  ///< position error per distance walked
+constexpr double kDrift = 2.5e-2;  ///< position error per distance walked
 
 }  // namespace
 
