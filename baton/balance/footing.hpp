@@ -40,8 +40,8 @@ class Footing {
   /// @param carries gain by the load, 0…1
   void follow_ground(Side side, double carries, const MotionSample& now, const State& state, const Wrench& wanted);
 
-  /// Takes a sole that has searched for the ground, and presses on it by more than is wanted, back to its height:
-  /// contact is known late, and servos lag, so the leg would push the robot over by what it went too far.
+  /// Raises a sole that found the ground by searching, and presses on it too much, to the ground's height. Contact is
+  /// known late and servos lag: the leg has gone too far, and would push the robot over.
   void withdraw(Side side, const MotionSample& now, const State& state, const Wrench& wanted);
 
   /// The offset by which a sole in the air is as high as planned, and inclined as planned relative to the floor,
@@ -50,7 +50,7 @@ class Footing {
 
   /// Updates `rocking_` and `uneven_`, at rest on both feet.
   void feel_rocking(const State& state, const BySide<Wrench>& wanted);
-  /// How much farther an ankle turns for the same moment, as it is in series with soft ground: 1 if it is firm.
+  /// Factor by which an ankle turns farther for the same moment where it stands on soft ground: 1 on firm ground.
   [[nodiscard]] double ground_gain() const;
 
   /// Moves the soles apart or together, to relax internal forces between the legs.
@@ -87,7 +87,7 @@ class Footing {
   BySide<Tipping> tipping_;
   double age_ = 0.0;                ///< of the measurements, low-passed [1/ω]
   std::optional<double> uneven_;    ///< excess load of the left sole less that of the right, low-passed [weights]
-  double rocking_ = 0.0;            ///< mean square of what it differs from that, at rest [weights²]
+  double rocking_ = 0.0;            ///< mean square of the load that rocks from sole to sole at rest [weights²]
   double compliance_ = 1.0;         ///< factor on all compliance, by stiffness, age and rocking
   Vec2 floor_tilt_ = Vec2::Zero();  ///< tilt of the terrain relative to the map: `turn` of flat soles, low-passed [rad]
   BySide<bool> overreaches_{false, false};  ///< whether a search may have sent the sole too far down

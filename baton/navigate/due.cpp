@@ -198,8 +198,8 @@ Request Requests::arms_on_the_way(int at) const {
   if (swings && !landed) {  // the same step again
     make_same_step(context);
   } else {
-    goal.drift_correction = {};  // the slip-free frame has it already
-    context.place_uncertainty = goal.place_uncertainty;
+    goal.drift_correction = {};                          // the slip-free frame has it already
+    context.place_uncertainty = goal.place_uncertainty;  // what it is verified with
     if (landed && both_stand(goal.contact)) {
       goal.swing.reset();
       goal.kind = SegmentKind::shift;
